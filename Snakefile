@@ -1,0 +1,27 @@
+"""Config to tables and figures: sample -> solve -> collect -> summarise -> figures.
+
+Shards and stamps are named by their content, so a file that exists is up to date: adding a value, a method or a scene
+computes only what is new, whatever the clocks say. The designs are sampled while this file is read, because the shards
+they need decide the graph; every other step is a rule, and each rule is one `cablesim` command.
+"""
+
+from pathlib import Path
+
+from cablesim.workflow import plan_study
+
+study = plan_study((workflow.configfiles or [Path("config/config.yaml")])[-1])
+
+
+wildcard_constraints:
+    scene="[a-z][a-z0-9_]*",
+    shard="[0-9a-f]{24}",
+
+
+rule all:
+    input:
+        [scene.stamp(step) for scene in study.scenes for step in ("summarise", "figures")],
+    default_target: True
+
+
+include: "workflow/rules/solve.smk"
+include: "workflow/rules/scene.smk"

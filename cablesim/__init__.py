@@ -1,0 +1,1 @@
+"""Flexible lines: models, scenario database and batch pipeline."""

@@ -1,0 +1,291 @@
+"""The command line. Nothing heavy is imported before it is known to be needed: `--help` answers at once."""
+
+import json
+import math
+import os
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+import click
+
+from cablesim.errors import CablesimError, InputError
+
+EXIT_FLAGGED = 1
+EXIT_MISTAKE = 2
+EXIT_ENVIRONMENT = 3
+EXIT_BUG = 4
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="cablesim", message="cablesim %(version)s")
+def cli() -> None:
+    """Flexible lines: solve one, run a scene of many, query what a study has found.
+
+    Exit codes: 0 all solved, 1 some scenarios flagged, 2 your input, 3 the machine, 4 a bug of ours.
+    """
+
+
+@cli.command()
+def solvers() -> None:
+    """List the solvers."""
+    from cablesim.solver import solver_names, summary
+
+    names = solver_names()
+    width = max(map(len, names))
+    for name in names:
+        click.echo(f"{name:<{width}}  {summary(name)}")
+
+
+@cli.command()
+@click.argument("solver")
+def describe(solver: str) -> None:
+    """Theory, parameters, options and outputs of a SOLVER."""
+    from cablesim.report.describe import description
+    from cablesim.solver import load_solver
+
+    click.echo(description(load_solver(solver)))
+
+
+@cli.command()
+@click.argument("solver")
+@click.argument("parameters", nargs=-1, metavar="NAME=VALUE...")
+@click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="A numerical option of the solver.")
+@click.option("--outputs", metavar="NAME,...", help="Only these outputs (default: all that are one number).")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object, in SI.")
+def solve(
+    solver: str, parameters: tuple[str, ...], options: tuple[str, ...], outputs: str | None, as_json: bool
+) -> int:
+    """Solve one scenario: cablesim solve catenary_exact span=2.5 line_length=3 weight_per_length="3 N/m"."""
+    from cablesim import batch, units
+    from cablesim.quantities import quantity
+    from cablesim.solver import load_solver
+    from cablesim.status import Status
+
+    chosen = load_solver(solver)
+    values = {}
+    for name, text in _pairs(parameters).items():
+        if name not in chosen.parameters:
+            chosen.make_parameters({name: 1.0})
+        try:
+            values[name] = units.to_si(text, chosen.parameters[name].unit)
+        except InputError as problem:
+            raise InputError(f"{name}: {problem}") from None
+    results = batch.solve(solver, values, _pairs(options), _names(outputs))
+    status = Status(int(results.status[0]))
+    answer = {name: _plain(value[0]) for name, value in results.outputs.items()}
+    if as_json:
+        given = {name: quantity(name).unit for name in answer}
+        click.echo(json.dumps({**answer, "status": status.name, "units": given}))
+    else:
+        for name, value in answer.items():
+            click.echo(f"{name:<20} {_shown(value):>14} {quantity(name).unit:<6} {quantity(name).meaning}")
+        click.echo(f"{'status':<20} {status.name:>14} {'':<6} {status.sentence}")
+    return 0 if status is Status.ok else EXIT_FLAGGED
+
+
+@cli.command()
+@click.argument("scene", type=click.Path(path_type=Path))
+def check(scene: Path) -> None:
+    """Validate a SCENE file and estimate its cost; runs nothing."""
+    from cablesim.config.scene import read_scene
+    from cablesim.report.estimate import estimate
+
+    click.echo(estimate(read_scene(scene)))
+
+
+@cli.command()
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<scene>).")
+def run(scene: Path, out: Path | None) -> int:
+    """Run a SCENE without Snakemake; the same files result."""
+    from cablesim.config.scene import read_scene
+    from cablesim.database.reading import read_dataset
+    from cablesim.report.tables import status_table
+    from cablesim.steps import run_scene
+    from cablesim.study import Layout
+
+    read = read_scene(scene)
+    layout = Layout(out if out is not None else Path("results") / read.name)
+    run_scene(read, layout, _progress)
+    dataset = read_dataset(layout.dataset(read.name))
+    click.echo(f"{layout.dataset(read.name)}: {dataset.status.size} scenarios")
+    click.echo(status_table(dataset).to_markdown(index=False, floatfmt=".3g"))
+    return EXIT_FLAGGED if int((dataset.status != 0).sum()) else 0
+
+
+@cli.command()
+@click.argument("results", type=click.Path(path_type=Path))
+def scenes(results: Path) -> None:
+    """List the scenes in a folder of RESULTS."""
+    from cablesim.database.reading import read_dataset, scene_paths
+    from cablesim.report.describe import scene_line
+
+    for name, path in scene_paths(results).items():
+        click.echo(scene_line(name, read_dataset(path)))
+
+
+@cli.command()
+@click.argument("results", type=click.Path(path_type=Path))
+@click.argument("scene")
+@click.argument("condition", required=False)
+@click.option("--columns", metavar="NAME,...", help="Only these columns.")
+@click.option("--format", "form", default="table", help="table, csv, json, parquet or netcdf.")
+@click.option("--output", type=click.Path(path_type=Path), help="Write to this file instead of standard output.")
+def query(
+    results: Path, scene: str, condition: str | None, columns: str | None, form: str, output: Path | None
+) -> None:
+    """Scenarios of a SCENE for which a CONDITION holds: cablesim query results/default inclined_spans 'sag > 20 m'."""
+    from cablesim.database.query import FORMATS, query, render
+    from cablesim.database.reading import open_scene
+    from cablesim.errors import nearest
+    from cablesim.files import written_whole
+
+    if form not in FORMATS:
+        raise InputError(f"unknown format '{form}': {nearest(form, FORMATS)}")
+    if form in ("parquet", "netcdf") and output is None and sys.stdout.isatty():
+        raise InputError(f"{form} is not for a terminal: name a file with --output, or redirect standard output")
+    dataset = open_scene(results, scene)
+    found = query(dataset, condition, _names(columns))
+    rendered = render(found, form)
+    if output is None:
+        click.get_binary_stream("stdout").write(rendered)
+    else:
+        with written_whole(output) as temporary:
+            temporary.write_bytes(rendered)
+    if form == "table":
+        click.echo(f"{len(found)} of {dataset.status.size} scenarios", err=True)
+
+
+@cli.command()
+@click.argument("results_a", type=click.Path(path_type=Path))
+@click.argument("results_b", type=click.Path(path_type=Path))
+@click.option("--tolerance", default=0.0, help="Relative change up to which values count as the same.")
+def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
+    """What changed between two runs of a study. Measured times do not count. Exit code 0: the same, 1: they differ."""
+    from cablesim.database.compare import compare
+
+    table = compare(results_a, results_b, tolerance)
+    differs = bool(table["differs"].any())
+    click.echo(table.drop(columns="differs").to_markdown(index=False, floatfmt=".3g"))
+    click.echo("they differ" if differs else "the same")
+    return EXIT_FLAGGED if differs else 0
+
+
+@cli.group()
+def step() -> None:
+    """The steps of the workflow, as the rules call them."""
+
+
+@step.command("sample")
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.argument("results", type=click.Path(path_type=Path))
+def step_sample(scene: Path, results: Path) -> None:
+    """Expand the design of a SCENE into shards."""
+    from cablesim import steps
+    from cablesim.config.scene import read_scene
+    from cablesim.study import Layout
+
+    layout = Layout(results)
+    plan = steps.sample(read_scene(scene), layout)
+    click.echo(f"{layout.plan(plan)}: {len(plan.recipes)} shards, {plan.scenarios} scenarios")
+
+
+@step.command("solve")
+@click.argument("plan", type=click.Path(path_type=Path))
+@click.argument("shard")
+@click.argument("out", type=click.Path(path_type=Path))
+def step_solve(plan: Path, shard: str, out: Path) -> None:
+    """Compute one SHARD of a PLAN into the file OUT."""
+    from cablesim import steps
+
+    steps.solve(plan, shard, out)
+
+
+def _scene_step(name: str, help_text: str) -> None:
+    """A step that takes a scene file and a results folder, and leaves a stamp when it is done."""
+
+    @step.command(name, help=help_text)
+    @click.argument("scene", type=click.Path(path_type=Path))
+    @click.argument("results", type=click.Path(path_type=Path))
+    @click.option("--stamp", type=click.Path(path_type=Path), help="A file to write when the step is done.")
+    def command(scene: Path, results: Path, stamp: Path | None) -> None:
+        from cablesim import steps
+        from cablesim.config.scene import read_scene
+        from cablesim.study import Layout
+
+        run_step = {"collect": steps.collect_step, "summarise": steps.summarise, "figures": steps.figures}[name]
+        run_step(read_scene(scene), Layout(results))
+        if stamp is not None:
+            steps.stamp(stamp)
+
+
+_scene_step("collect", "Join the shards of a SCENE into its dataset in RESULTS.")
+_scene_step("summarise", "Write the tables of a SCENE.")
+_scene_step("figures", "Draw the figures of a SCENE.")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit code; no error of the user's or the machine's shows a traceback."""
+    try:
+        return cli.main(arguments, prog_name="cablesim", standalone_mode=False) or 0
+    except click.ClickException as problem:
+        return _complain(problem.format_message(), EXIT_MISTAKE)
+    except CablesimError as problem:
+        return _complain(str(problem), problem.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        return _complain("interrupted", 130)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as problem:
+        return _complain(f"{problem.filename or 'the machine'}: {problem.strerror or problem}", EXIT_ENVIRONMENT)
+    except MemoryError:
+        return _complain("not enough memory for this", EXIT_ENVIRONMENT)
+    except Exception:
+        traceback.print_exc()
+        return _complain("this is a bug of ours; please report it with the lines above", EXIT_BUG)
+
+
+def _complain(message: str, code: int) -> int:
+    click.echo("cablesim: " + " ".join(message.split()), err=True)
+    return code
+
+
+def _pairs(texts: tuple[str, ...]) -> dict[str, str]:
+    pairs: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise InputError(f"'{text[:60]}' is not name=value")
+        if name.strip() in pairs:
+            raise InputError(f"'{name.strip()}' is given twice")
+        pairs[name.strip()] = value.strip()
+    return pairs
+
+
+def _names(text: str | None) -> tuple[str, ...]:
+    if text is None:
+        return ()
+    names = tuple(name.strip() for name in text.split(","))
+    if not all(names):
+        raise InputError(f"'{text[:60]}' is not a list of names separated by commas")
+    return names
+
+
+def _plain(value: Any) -> Any:
+    """A number, or nested lists of them, with None for what is not finite (JSON has no NaN)."""
+    if getattr(value, "ndim", 0):
+        return [_plain(item) for item in value]
+    return float(value) if math.isfinite(value) else None
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, list):
+        return f"{len(value)} nodes"
+    return "-" if value is None else f"{value:.8g}"
+
+
+def _progress(step: str, done: int, total: int) -> None:
+    click.echo(f"{step} {done + 1}/{total}", err=True)

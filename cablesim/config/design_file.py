@@ -1,0 +1,223 @@
+"""The `design` part of a scene file: a grid, a list of cases or a sample, turned into axes in SI."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from cablesim.config.document import Node
+from cablesim.config.table import Table, read_table
+from cablesim.design import SCENARIO, Axis, Design
+from cablesim.errors import InputError, nearest
+from cablesim.numerics import Array
+from cablesim.solver import ParameterSpec
+
+MOST_SCENARIOS = 200_000_000
+# Generated axis values are rounded to this many significant digits, so that 1.01 means 1.01 and not its neighbour.
+AXIS_DIGITS = 12
+
+Specs = dict[str, ParameterSpec]
+
+
+def read_design(node: Node, parameters: Specs) -> tuple[Design, tuple[Table, ...]]:
+    """The design and the tables it was read from."""
+    keys = node.mapping(optional=("grid", "cases", "sample"))
+    if len(keys) != 1:
+        node.fail("exactly one of grid, cases and sample is expected")
+    kind, entry = next(iter(keys.items()))
+    readers = {"grid": _read_grid, "cases": _read_cases, "sample": _read_sample}
+    axes, tables, seed = readers[kind](entry, parameters)
+    size = math.prod(axis.size for axis in axes)
+    if size > MOST_SCENARIOS:
+        entry.fail(f"{size} scenarios are too many: at most {MOST_SCENARIOS}")
+    return Design(kind, axes, seed), tables
+
+
+def _read_grid(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[Table, ...], None]:
+    entries = node.mapping(optional=None)
+    if not entries:
+        node.fail("the grid is empty: at least one axis is needed")
+    axes = []
+    for name, entry in entries.items():
+        values = _read_axis(entry, _spec(entry, name, parameters))
+        axes.append(Axis(name, {name: values}))
+    return tuple(axes), (), None
+
+
+def _read_axis(node: Node, spec: ParameterSpec) -> Array:
+    if isinstance(node.value, list):
+        entries = node.sequence()
+        values = np.array([entry.number(spec.unit) for entry in entries])
+        _check_axis(node, spec, values)
+        return values
+    keys = node.mapping(("start", "stop", "num"), ("spacing", "origin", "also"))
+    start, stop = keys["start"].number(spec.unit), keys["stop"].number(spec.unit)
+    origin = keys["origin"].number(spec.unit) if "origin" in keys else 0.0
+    spacing = keys["spacing"].choice(("linear", "log")) if "spacing" in keys else "linear"
+    num = keys["num"].whole(2, 100_000_000)
+    if not start < stop:
+        node.fail(f"start must be less than stop, not {start:g} and {stop:g} {spec.unit}")
+    if spacing == "log" and not start > origin:
+        node.fail(f"logarithmic spacing needs start > {origin:g}, not {start:g}")
+    values = origin + _spaced(start - origin, stop - origin, num, spacing)
+    if "also" in keys:
+        extra = np.array([entry.number(spec.unit) for entry in keys["also"].sequence()])
+        values = np.unique(np.concatenate([values, extra]))
+    _check_axis(node, spec, values)
+    return values
+
+
+def _spaced(start: float, stop: float, num: int, spacing: str) -> Array:
+    values = np.geomspace(start, stop, num) if spacing == "log" else np.linspace(start, stop, num)
+    scale = 10.0 ** (AXIS_DIGITS - 1 - np.floor(np.log10(np.maximum(np.abs(values), 1e-280))))
+    return np.round(values * scale) / scale
+
+
+def _check_axis(node: Node, spec: ParameterSpec, values: Array) -> None:
+    try:
+        spec.check(values)
+    except InputError as problem:
+        node.fail(str(problem))
+    unique, counts = np.unique(values, return_counts=True)
+    if unique.size < values.size:
+        node.fail(f"the value {unique[np.argmax(counts > 1)]:.17g} appears {counts.max()} times")
+
+
+def _read_cases(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[Table, ...], None]:
+    if isinstance(node.value, dict):
+        return _read_case_table(node, parameters)
+    rows = [entry.mapping(optional=None) for entry in node.sequence()]
+    names = list(rows[0])
+    if not names:
+        node.fail("a case needs at least one parameter")
+    columns: dict[str, Array] = {}
+    for name in names:
+        spec = _spec(rows[0][name], name, parameters)
+        for entry, row in zip(node.sequence(), rows, strict=True):
+            if set(row) != set(names):
+                entry.fail(f"every case must have the same parameters: {', '.join(names)}")
+        columns[name] = np.array([row[name].number(spec.unit) for row in rows])
+        _check_column(node, spec, columns[name])
+    return (Axis(SCENARIO, columns),), (), None
+
+
+def _read_case_table(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[Table, ...], None]:
+    """One scenario a row; or, with `keys`, one for each way to read the row, at its printed value and at both ends of
+    the rounding of its last digit."""
+    keys = node.mapping(("table",), ("columns", "keys"))
+    table = read_table(keys["table"])
+    try:
+        if "keys" in keys:
+            axis = _keyed_axis(keys["keys"], table, parameters)
+        else:
+            axis = _table_axis(keys.get("columns"), node, table, parameters)
+    except InputError as problem:
+        if str(problem).startswith(node.file):
+            raise
+        node.fail(str(problem))
+    return (axis,), (table,), None
+
+
+def _table_axis(columns: Node | None, node: Node, table: Table, parameters: Specs) -> Axis:
+    formulas = {name: entry for name, entry in columns.mapping(optional=None).items()} if columns else {}
+    names = list(formulas) or list(table.columns)
+    values = {}
+    for name in names:
+        place = formulas.get(name, node)
+        spec = _spec(place, name, parameters)
+        values[name] = table.evaluate(formulas[name].text() if name in formulas else name)
+        _check_column(place, spec, values[name])
+    return Axis(SCENARIO, values, {"row": np.arange(table.rows)})
+
+
+def _keyed_axis(node: Node, table: Table, parameters: Specs) -> Axis:
+    values: dict[str, list[Array]] = {}
+    labels: dict[str, list[np.ndarray]] = {"row": [], "key": [], "rounding": []}
+    for key, entry in node.mapping(optional=None).items():
+        if key not in table.columns:
+            entry.fail(f"the table has no column '{key}': {nearest(key, table.columns)}")
+        formulas = {name: formula.text() for name, formula in entry.mapping(optional=None).items()}
+        for name, formula in formulas.items():
+            spec = _spec(entry, name, parameters)
+            for rounding, shift in ROUNDINGS.items():
+                column = shifted(table, key, shift).evaluate(formula)
+                _check_column(entry, spec, column)
+                values.setdefault(name, []).append(column)
+                labels["row"].append(np.arange(table.rows))
+                labels["key"].append(np.full(table.rows, key))
+                labels["rounding"].append(np.full(table.rows, rounding))
+    return Axis(
+        SCENARIO, {n: np.concatenate(v) for n, v in values.items()}, {n: np.concatenate(v) for n, v in labels.items()}
+    )
+
+
+# A printed number stands for any number within half a unit of its last digit.
+ROUNDINGS = {"printed": 0.0, "down": -0.5, "up": 0.5}
+
+
+def shifted(table: Table, column: str, units_in_last_place: float) -> Table:
+    """The table with one column moved by some units of its last printed digit."""
+    values = table.numbers(column) + units_in_last_place * last_digit(table.columns[column])
+    return Table(
+        table.path,
+        table.source,
+        {**table.columns, column: tuple(map(repr, values.tolist()))},
+        table.units,
+        table.digest,
+    )
+
+
+def last_digit(cells: tuple[str, ...]) -> Array:
+    """One unit in the last printed digit of each cell: 0.01 for "2.50"."""
+    return np.array([10.0 ** -len(cell.split(".")[1]) if "." in cell else 1.0 for cell in cells])
+
+
+def _check_column(node: Node, spec: ParameterSpec, values: Array) -> None:
+    try:
+        spec.check(values)
+    except InputError as problem:
+        node.fail(str(problem))
+
+
+def _read_sample(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[Table, ...], int]:
+    """Quasi-random or Latin hypercube points in a box; `spacing: log` samples the logarithm."""
+    from scipy.stats import qmc
+
+    keys = node.mapping(("method", "num", "seed", "ranges"))
+    method = keys["method"].choice(("sobol", "latin_hypercube"))
+    num, seed = keys["num"].whole(1, MOST_SCENARIOS), keys["seed"].whole(0, 2**32 - 1)
+    ranges = keys["ranges"].mapping(optional=None)
+    if not ranges:
+        keys["ranges"].fail("at least one parameter is needed")
+    engines: dict[str, Any] = {"sobol": qmc.Sobol, "latin_hypercube": qmc.LatinHypercube}
+    engine = engines[method](len(ranges), rng=np.random.default_rng(seed))
+    if method == "sobol":
+        # The sequence is balanced in powers of two; its first `num` points are taken.
+        points = engine.random_base2(max(0, math.ceil(math.log2(num))))[:num]
+    else:
+        points = engine.random(num)
+    columns = {}
+    for (name, entry), unit_values in zip(ranges.items(), points.T, strict=True):
+        spec = _spec(entry, name, parameters)
+        columns[name] = _stretch(entry, spec, unit_values)
+        _check_column(entry, spec, columns[name])
+    return (Axis(SCENARIO, columns),), (), seed
+
+
+def _stretch(node: Node, spec: ParameterSpec, unit_values: Array) -> Array:
+    keys = node.mapping(("start", "stop"), ("spacing", "origin"))
+    start, stop = keys["start"].number(spec.unit), keys["stop"].number(spec.unit)
+    origin = keys["origin"].number(spec.unit) if "origin" in keys else 0.0
+    if not start < stop:
+        node.fail(f"start must be less than stop, not {start:g} and {stop:g} {spec.unit}")
+    if "spacing" not in keys or keys["spacing"].choice(("linear", "log")) == "linear":
+        return start + (stop - start) * unit_values
+    if not start > origin:
+        node.fail(f"logarithmic spacing needs start > {origin:g}, not {start:g}")
+    return origin + (start - origin) * ((stop - origin) / (start - origin)) ** unit_values
+
+
+def _spec(node: Node, name: str, parameters: Specs) -> ParameterSpec:
+    if name not in parameters:
+        node.fail(f"no method has a parameter '{name}': {nearest(name, parameters)}")
+    return parameters[name]

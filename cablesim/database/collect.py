@@ -1,0 +1,225 @@
+"""Join the shards of a scene into one labelled dataset, by integer place, never by comparing floats.
+
+Shards are read in groups by Dask; the dataset is written by one writer without Dask, because only that gives the same
+bytes every time.
+"""
+
+import json
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from cablesim.config.scene import Scene
+from cablesim.database.shard_file import chunk_sizes, read_shard
+from cablesim.files import written_whole
+from cablesim.plan import ScenePlan
+from cablesim.quantities import COMPONENTS, QUANTITIES, quantity
+from cablesim.shards import MethodPlan, Placement
+from cablesim.solver import source_digest
+from cablesim.status import Status
+
+NOT_COUNTED = -1
+MEASURED = "measured"
+WHOLE = {"status": np.dtype(np.int8), "iterations": np.dtype(np.int32)}
+
+
+def collect(scene: Scene, plan: ScenePlan, shards: Path, revision: str) -> tuple[xr.Dataset, xr.Dataset]:
+    """The dataset of a scene and, apart from it, what was measured. Raises EnvironmentFault for a damaged shard."""
+    variables, run_time = _gather(scene, plan, shards)
+    coords = _coordinates(scene)
+    data = {name: (dims, values, _attributes(name)) for name, (dims, values) in variables.items()}
+    dataset = xr.Dataset(data, coords, _provenance(scene, revision))
+    dims = ("method", *(axis.name for axis in scene.design.axes))
+    measured = xr.Dataset({"run_time": (dims, run_time, _attributes("run_time"))})
+    return dataset, measured
+
+
+def write_dataset(path: Path, dataset: xr.Dataset, measured: xr.Dataset) -> None:
+    """Write both into one file, the measured values as a group of their own."""
+    with written_whole(path) as temporary:
+        dataset.to_netcdf(temporary, engine="netcdf4", encoding=_encoding(dataset))
+        measured.to_netcdf(temporary, engine="netcdf4", encoding=_encoding(measured), mode="a", group=MEASURED)
+
+
+def _gather(scene: Scene, plan: ScenePlan, shards: Path) -> tuple[dict[str, Any], np.ndarray]:
+    """Every variable of the scene as one array over (method, axes..., its own dimensions)."""
+    import dask
+
+    shape = (len(scene.methods), *scene.design.shape)
+    arrays: dict[str, np.ndarray] = {}
+    run_time = np.zeros(shape, dtype=np.float32)
+    names = (*scene.outputs, *WHOLE)
+    tasks = [
+        dask.delayed(_place)(arrays, run_time, shape, names, number, method_plan, placement, shards)
+        for number, method_plan in enumerate(plan.methods)
+        for placement in method_plan.placements
+    ]
+    # One thread: HDF5 serialises all reading behind one lock anyway, and threads around it have crashed.
+    dask.compute(*tasks, scheduler="synchronous")
+    for number, method in enumerate(scene.methods):
+        if not method.solver.iterates:
+            arrays["iterations"][number] = NOT_COUNTED
+    if (arrays["iterations"] == NOT_COUNTED).all():
+        del arrays["iterations"]
+    dims = ("method", *(axis.name for axis in scene.design.axes))
+    own = {name: QUANTITIES[name].dims if name in QUANTITIES else () for name in arrays}
+    return {name: ((*dims, *own[name]), values) for name, values in arrays.items()}, run_time
+
+
+def _place(
+    arrays: dict[str, np.ndarray],
+    run_time: np.ndarray,
+    shape: tuple[int, ...],
+    names: tuple[str, ...],
+    number: int,
+    plan: MethodPlan,
+    placement: Placement,
+    shards: Path,
+) -> None:
+    """Read one shard and put it where it belongs; a method that ignores an axis has the same answer all along it."""
+    values, seconds = read_shard(shards / f"{placement.recipe.digest}.nc", names)
+    axes = [slice(None)] * (len(shape) - 1)
+    for position, target in zip(plan.positions, placement.target, strict=True):
+        axes[position] = _as_slice(target)
+    for name in names:
+        block = _in_design_order(values[name], placement, plan.positions, len(shape) - 1)
+        if name not in arrays:
+            extra = block.shape[len(shape) - 1 :]
+            arrays[name] = np.empty(shape + extra, dtype=block.dtype)
+        _assign(arrays[name][number], axes, block)
+    share = seconds / max(1, int(np.prod(placement.recipe.shape)))
+    _assign(run_time[number], axes, np.full((1,) * (len(shape) - 1), share, dtype=np.float32))
+
+
+def _in_design_order(values: np.ndarray, placement: Placement, positions: tuple[int, ...], axes: int) -> np.ndarray:
+    """A shard's array with the axes of the design, of length one where it has none."""
+    own = len(placement.recipe.axes)
+    kept = [axis for axis in placement.axis if axis >= 0]
+    values = values.transpose(*kept, *range(own, values.ndim))
+    dimension = 0
+    for axis, source in zip(placement.axis, placement.source, strict=True):
+        if axis >= 0:
+            if source.size != values.shape[dimension] or not np.array_equal(source, np.arange(source.size)):
+                values = np.take(values, source, axis=dimension)
+            dimension += 1
+    shape = [1] * axes
+    for axis, source, position in zip(placement.axis, placement.source, positions, strict=True):
+        shape[position] = source.size if axis >= 0 else 1
+    return values.reshape(*shape, *values.shape[len(kept) :])
+
+
+def _assign(array: np.ndarray, axes: list[Any], block: np.ndarray) -> None:
+    """array[axes] = block, also where several axes are index arrays (which must then be taken one by one)."""
+    if all(isinstance(axis, slice) for axis in axes):
+        array[tuple(axes)] = block
+        return
+    whole = [np.arange(array.shape[i])[axis] for i, axis in enumerate(axes)]
+    array[np.ix_(*whole)] = block
+
+
+def _as_slice(target: np.ndarray) -> Any:
+    """A run of positions as a slice, which is copied much faster than an index array."""
+    if target[-1] - target[0] == target.size - 1 and np.array_equal(
+        target, np.arange(target[0], target[0] + target.size)
+    ):
+        return slice(int(target[0]), int(target[-1]) + 1)
+    return target
+
+
+def _coordinates(scene: Scene) -> dict[str, Any]:
+    coords: dict[str, Any] = {
+        "method": ("method", _words(tuple(m.name for m in scene.methods)), {"long_name": "method"})
+    }
+    for axis in scene.design.axes:
+        for name, values in axis.columns.items():
+            coords[name] = (axis.name, values, _attributes(name))
+        if axis.name not in axis.columns:
+            coords[axis.name] = (
+                axis.name,
+                np.arange(axis.size, dtype=np.int32),
+                {"long_name": "number of the scenario"},
+            )
+        for name, values in axis.labels.items():
+            is_word = values.dtype.kind == "U"
+            coords[name] = (
+                axis.name,
+                _words(tuple(values)) if is_word else values.astype(np.int32),
+                {"long_name": LABELS[name]},
+            )
+    for name, value in scene.fixed.items():
+        coords[name] = ((), value, _attributes(name))
+    if any("component" in quantity(name).dims for name in scene.outputs):
+        coords["component"] = ("component", _words(COMPONENTS), {"long_name": "component of a position"})
+    return coords
+
+
+LABELS = {
+    "row": "row of the published table",
+    "key": "column of the published table that decides the scenario",
+    "rounding": "whether the key is taken as printed, or moved half a unit of its last digit",
+}
+
+
+def _words(words: tuple[str, ...]) -> np.ndarray:
+    return np.array(words, dtype=str)
+
+
+def _attributes(name: str) -> dict[str, Any]:
+    if name == "status":
+        words = " ".join(status.name for status in Status)
+        flags = np.array([int(status) for status in Status], dtype=np.int8)
+        return {"long_name": "fate of the scenario", "flag_values": flags, "flag_meanings": words}
+    row = quantity(name)
+    attributes = {"units": row.unit, "long_name": row.meaning}
+    if row.standard_name:
+        attributes["standard_name"] = row.standard_name
+    if name == "iterations":
+        attributes["comment"] = f"{NOT_COUNTED} where the method does not count any"
+    return attributes
+
+
+def _provenance(scene: Scene, revision: str) -> dict[str, Any]:
+    methods = {
+        m.name: {"solver": m.solver.name, "options": m.options, "sources": source_digest(m.solver.name)}
+        for m in scene.methods
+    }
+    attributes: dict[str, Any] = {
+        "Conventions": "CF-1.11",
+        "title": scene.title,
+        "source": f"cablesim {version('cablesim')}",
+        "revision": revision,
+        "scene": scene.name,
+        "scene_digest": scene.digest,
+        "design": scene.design.kind,
+        "methods": json.dumps(methods, sort_keys=True),
+        "reference": scene.reference.method or str(scene.reference.table.path.name) if scene.reference else "none",
+    }
+    if scene.question:
+        attributes["comment"] = scene.question
+    if scene.design.seed is not None:
+        attributes["seed"] = scene.design.seed
+    return attributes
+
+
+def _encoding(dataset: xr.Dataset) -> dict[str, Any]:
+    encoding: dict[str, Any] = {}
+    for name, variable in dataset.variables.items():
+        settings: dict[str, Any] = {}
+        if variable.dims and variable.dtype.kind != "U":
+            settings |= {
+                "zlib": True,
+                "complevel": 1,
+                "shuffle": True,
+                "fletcher32": True,
+                "chunksizes": chunk_sizes(variable.shape),
+            }
+        if variable.dtype.kind == "U":
+            # Fixed-width characters, which every netCDF reader understands.
+            settings |= {"dtype": "S1", "char_dim_name": f"{name}_width"}
+        elif name in dataset.coords or variable.dtype.kind != "f":
+            settings["_FillValue"] = None
+        encoding[str(name)] = settings
+    return encoding

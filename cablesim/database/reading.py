@@ -1,0 +1,107 @@
+"""Open what a study has made, and give its names a meaning in formulas and conditions."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from cablesim.config.document import is_name
+from cablesim.config.table import Table
+from cablesim.database.collect import MEASURED
+from cablesim.errors import EnvironmentFault, InputError, nearest
+from cablesim.expressions import Expression, Lookup, Term, UnknownName, parse
+
+
+def scene_paths(results: Path) -> dict[str, Path]:
+    """The datasets of a results folder by scene. Raises InputError if there is no such folder."""
+    if not results.is_dir():
+        raise InputError(f"{results}: no such folder of results")
+    return {path.stem: path for path in sorted(results.glob("*.nc")) if is_name(path.stem)}
+
+
+def open_scene(results: Path, scene: str) -> xr.Dataset:
+    """A scene's dataset in memory, the measured run time beside the rest.
+
+    Raises InputError, with the nearest names, for an unknown scene; EnvironmentFault for a file that cannot be read.
+    """
+    paths = scene_paths(results)
+    if scene not in paths:
+        raise InputError(f"{results}: no scene '{scene}': {nearest(scene, paths)}")
+    return read_dataset(paths[scene])
+
+
+def read_dataset(path: Path) -> xr.Dataset:
+    """A dataset file and its group of measured values as one dataset."""
+    try:
+        with (
+            xr.open_dataset(path, engine="netcdf4") as dataset,
+            xr.open_dataset(path, engine="netcdf4", group=MEASURED) as measured,
+        ):
+            return dataset.load().assign(measured.load().variables)
+    except (OSError, KeyError, ValueError, RuntimeError) as problem:
+        raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
+
+
+def of_method(values: xr.DataArray, method: str) -> xr.DataArray:
+    """One method's values. Spelled with a dict, because `sel(method=...)` is how xarray spells nearest-neighbour look-up."""
+    return values.sel({"method": str(method)}, drop=True)
+
+
+def status_words(dataset: xr.Dataset) -> tuple[str, ...]:
+    """The words that the dataset's own status numbers stand for."""
+    return tuple(dataset.status.attrs["flag_meanings"].split())
+
+
+def scene_lookup(dataset: xr.Dataset, table: Table | None = None) -> Lookup:
+    """What names mean in a formula over a scene.
+
+    `sag` is the output (over all methods), `exact.sag` that of one method, `length_ratio` a coordinate, `status` and
+    `method` words, and `table.sag_m` a column of the scene's table, row by row.
+    """
+    words = status_words(dataset)
+
+    def lookup(name: str) -> Term | None:
+        head, _, tail = name.rpartition(".")
+        if head == "table" and table is not None:
+            return Term(xr.DataArray(table.numbers(tail)[dataset.row.values], dims="scenario"), "any")
+        if head:
+            return _of_method(dataset, head, tail, words)
+        if name not in dataset.variables:
+            return None
+        return _term(dataset[name], words)
+
+    return lookup
+
+
+def evaluate(dataset: xr.Dataset, formula: str, table: Table | None = None) -> xr.DataArray:
+    """The value of a formula over a scene. Raises InputError, with the nearest names, for an unknown one."""
+    value = _explained(dataset, parse(formula), Expression.evaluate, table)
+    return value if isinstance(value, xr.DataArray) else xr.DataArray(value)
+
+
+def select(dataset: xr.Dataset, condition: str) -> xr.DataArray:
+    """Where a condition holds. Raises InputError, with the nearest names, for an unknown one."""
+    return _explained(dataset, parse(condition), Expression.select, None)
+
+
+def _explained(dataset: xr.Dataset, expression: Expression, evaluate: Callable, table: Table | None):
+    try:
+        return evaluate(expression, scene_lookup(dataset, table))
+    except UnknownName as unknown:
+        names = [str(name) for name in dataset.variables]
+        raise InputError(f"unknown name '{unknown.name}': {nearest(unknown.name, names)}") from None
+
+
+def _of_method(dataset: xr.Dataset, method: str, name: str, words: tuple[str, ...]) -> Term | None:
+    if method not in dataset.method.values or name not in dataset.variables or "method" not in dataset[name].dims:
+        return None
+    return _term(of_method(dataset[name], method), words)
+
+
+def _term(values: xr.DataArray, words: tuple[str, ...]) -> Term:
+    if values.name == "status":
+        return Term(xr.DataArray(np.array(words)[values], dims=values.dims, coords=values.coords), None, words)
+    if values.dtype.kind in "SUOT":
+        return Term(values, None, tuple(str(word) for word in np.unique(values)))
+    return Term(values, values.attrs.get("units", "any"))

@@ -1,0 +1,77 @@
+"""The netCDF file of one job, written with netCDF4 alone: a solve step that imports no more starts in half the time."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from cablesim import batch
+from cablesim.batch import Results
+from cablesim.design import expand
+from cablesim.files import check_against_ledger, enter_in_ledger, written_whole
+from cablesim.quantities import quantity
+from cablesim.shards import Recipe
+from cablesim.solver import load_solver
+
+# Values in a chunk: large enough to compress well, small enough to read a part.
+CHUNK = 2**17
+COMPRESSION = {"compression": "zlib", "complevel": 1, "shuffle": True, "fletcher32": True}
+
+
+def solve_recipe(recipe: Recipe) -> Results:
+    """Solve every scenario of a shard, in C order of its axes."""
+    solver = load_solver(recipe.solver)
+    parameters = solver.make_parameters({**recipe.fixed, **expand(recipe.axes)})
+    return batch.run(solver, parameters, solver.make_options(recipe.options), recipe.outputs)
+
+
+def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
+    """Write a shard and enter it in its ledger. The measured time stands in a group of its own."""
+    import netCDF4
+
+    shape = recipe.shape
+    with written_whole(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
+        file.setncatts({"Conventions": "CF-1.11", "solver": recipe.solver, "sources": recipe.sources})
+        file.setncattr("options", json.dumps(recipe.options, sort_keys=True))
+        file.setncattr("fixed", json.dumps(recipe.fixed, sort_keys=True))
+        for axis in recipe.axes:
+            file.createDimension(axis.name, axis.size)
+            for name, values in axis.columns.items():
+                _write(file, name, (axis.name,), values)
+        dims = tuple(axis.name for axis in recipe.axes)
+        for name, values in results.outputs.items():
+            for size, dim in zip(values.shape[1:], quantity(name).dims, strict=True):
+                if dim not in file.dimensions:
+                    file.createDimension(dim, size)
+            _write(file, name, (*dims, *quantity(name).dims), values.reshape(*shape, *values.shape[1:]))
+        _write(file, "status", dims, results.status.reshape(shape))
+        _write(file, "iterations", dims, results.iterations.reshape(shape))
+        file.createGroup("measured").setncattr("seconds", results.seconds)
+    enter_in_ledger(path)
+
+
+def read_shard(path: Path, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], float]:
+    """Variables of a shard as arrays in its own axes, and the seconds it took. Raises EnvironmentFault if damaged."""
+    import netCDF4
+
+    check_against_ledger(path)
+    with netCDF4.Dataset(path) as file:
+        file.set_auto_mask(False)
+        return {name: file.variables[name][...] for name in names}, float(file.groups["measured"].seconds)
+
+
+def chunk_sizes(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Whole trailing dimensions as far as a chunk holds them."""
+    chunks, room = [], CHUNK
+    for size in reversed(shape):
+        chunks.append(max(1, min(size, room)))
+        room = max(1, room // max(1, size))
+    return tuple(reversed(chunks))
+
+
+def _write(file, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
+    settings = {**COMPRESSION, "chunksizes": chunk_sizes(values.shape)} if dims else {}
+    variable = file.createVariable(name, values.dtype, dims, fill_value=False, **settings)
+    variable[...] = values
+    if name != "status":
+        variable.setncatts({"units": quantity(name).unit, "long_name": quantity(name).meaning})

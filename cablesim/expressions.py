@@ -1,0 +1,293 @@
+"""Conditions and formulas over the quantities of a scene: `sag / span > 3 % and max_tension < 12 kN`.
+
+A grammar, not Python: names, numbers with units, arithmetic, comparisons, and / or / not, and the functions listed
+below. Nothing else can be said in it, so nothing can be executed by it. Used for query conditions, for columns of
+published tables and for what figures show.
+
+Bare numbers are SI. Numbers with a unit are converted, and dimensions are checked wherever a unit is written.
+`==` holds to one part in 1e9, because an axis value and a typed value may differ in their last digit.
+Words are compared with `==` and `!=`: `status == infeasible`, `method != exact`.
+"""
+
+import operator
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from cablesim import units
+from cablesim.errors import InputError, nearest
+
+GRAMMAR = r"""
+?start: either
+?either: both | either "or" both                  -> either
+?both: negated | both "and" negated               -> both
+?negated: comparison | "not" negated              -> negated
+?comparison: sum | sum COMPARISON sum             -> comparison
+?sum: product | sum SIGN product                  -> sum
+?product: signed | product FACTOR signed          -> product
+?signed: power | SIGN signed                      -> signed
+?power: atom | atom ("**" | "^") signed           -> power
+?atom: VALUE                                      -> value
+     | FUNCTION "(" either ("," either)* ")"      -> call
+     | NAME                                       -> name
+     | STRING                                     -> word
+     | "(" either ")"
+
+COMPARISON: "<=" | ">=" | "==" | "!=" | "<" | ">"
+SIGN: "+" | "-"
+FACTOR.-1: "*" | "/"
+FUNCTION.2: /(?!(?:and|or|not)\b)[A-Za-z_][A-Za-z0-9_]*(?=\s*\()/
+NAME: /(?!(?:and|or|not)\b)[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)?/
+STRING: /"[^"]{0,80}"|'[^']{0,80}'/
+VALUE: /@NUMBER@(?:\s?@UNIT@(?:(?:\/|\s)@UNIT@){0,4})?/
+%ignore /\s+/
+"""
+_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?(?![\w.]*\()"
+_UNIT = r"(?!(?:and|or|not)\b)[A-Za-zµμ°%]{1,20}(?:\^?-?\d)?"
+LONGEST = 1000
+DEEPEST = 60
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "sqrt": np.sqrt, "abs": np.abs, "exp": np.exp, "log": np.log, "log10": np.log10,
+    "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan,
+    "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "asinh": np.arcsinh, "acosh": np.arccosh, "atanh": np.arctanh,
+    "min": np.minimum, "max": np.maximum,
+}  # fmt: skip
+CONDITIONS = ("either", "both", "negated", "comparison")
+_TWO_ARGUMENTS = ("min", "max")
+_COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+EQUAL_WITHIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Term:
+    """What a name stands for: an array (numpy or xarray) and its unit; unit None marks words (labels).
+
+    `words` are the labels that may stand beside it, where they are known.
+    """
+
+    values: Any
+    unit: str | None
+    words: tuple[str, ...] = ()
+
+
+Lookup = Callable[[str], Term | None]
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A parsed formula or condition."""
+
+    text: str
+    tree: Any
+
+    @property
+    def names(self) -> list[str]:
+        """The names it mentions, in order, each once."""
+        return list(
+            dict.fromkeys(str(tree.children[0]) for tree in self.tree.iter_subtrees_topdown() if tree.data == "name")
+        )
+
+    def evaluate(self, lookup: Lookup) -> Any:
+        """The value for every scenario. Raises InputError for an unknown name, a wrong unit or a misused word."""
+        with np.errstate(all="ignore"):
+            return _Evaluation(self, lookup).number(self.tree).values
+
+    def select(self, lookup: Lookup) -> Any:
+        """True where the condition holds. Raises InputError where the expression is a number, not a condition."""
+        if self.tree.data not in CONDITIONS:
+            raise InputError(
+                f"'{self.text}' is a value, not a condition: compare it with something (<, <=, ==, !=, >=, >)"
+            )
+        with np.errstate(all="ignore"):
+            return _Evaluation(self, lookup).visit(self.tree).values
+
+
+def parse(text: str) -> Expression:
+    """Read a formula or condition. Raises InputError that says at which column it goes wrong."""
+    from lark import UnexpectedInput
+
+    if not isinstance(text, str) or not text.strip():
+        raise InputError("an empty expression: write a condition such as 'sag > 2 m'")
+    if len(text) > LONGEST:
+        raise InputError(f"an expression of {len(text)} characters is too long: at most {LONGEST}")
+    try:
+        tree = _parser().parse(text)
+    except UnexpectedInput as problem:
+        column = problem.column if problem.column > 0 else len(text) + 1
+        found = text[column - 1 : column + 11].strip() or "the end"
+        raise InputError(
+            f"cannot read '{_short(text)}' at column {column} (at {found!r}): not part of an expression"
+        ) from None
+    if not hasattr(tree, "data"):
+        raise InputError(f"cannot read '{_short(text)}'")
+    if _depth(tree) > DEEPEST:
+        raise InputError(f"'{_short(text)}' is nested more than {DEEPEST} deep")
+    return Expression(text, tree)
+
+
+class _Evaluation:
+    """One walk over a tree. Units are tracked only when one is written: a bare number fits any dimension."""
+
+    def __init__(self, expression: Expression, lookup: Lookup):
+        self.text, self.lookup = expression.text, lookup
+        self.checking = any(_split(token)[1] for token in _values(expression.tree))
+
+    def visit(self, tree) -> Term:
+        return getattr(self, f"_{tree.data}")(*tree.children)
+
+    def number(self, tree) -> Term:
+        term = self.visit(tree)
+        if term.unit is None:
+            if tree.data == "name" and isinstance(term.values, str):
+                raise UnknownName(term.values)
+            raise InputError(f"'{self.text}': a word cannot be used as a number")
+        return term
+
+    def _value(self, token) -> Term:
+        number, unit = _split(token)
+        if not unit:
+            return Term(float(number), "any")
+        if unit in ("%", "percent"):
+            return Term(float(number) * units.factor(unit, "1"), "1")
+        base = units.base_unit(unit)
+        return Term(float(number) * units.factor(unit, base), base)
+
+    def _name(self, token) -> Term:
+        term = self.lookup(str(token))
+        return term if term is not None else Term(str(token), None)
+
+    def _word(self, token) -> Term:
+        return Term(str(token)[1:-1], None)
+
+    def _call(self, function, *arguments) -> Term:
+        name = str(function)
+        if name not in FUNCTIONS:
+            raise InputError(f"'{self.text}': unknown function '{name}': {nearest(name, FUNCTIONS)}")
+        wanted = 2 if name in _TWO_ARGUMENTS else 1
+        if len(arguments) != wanted:
+            raise InputError(f"'{self.text}': {name} takes {wanted} argument{'s' * (wanted > 1)}, not {len(arguments)}")
+        terms = [self.number(argument) for argument in arguments]
+        unit = terms[0].unit if name in ("abs", "min", "max") else "any"
+        if name == "sqrt" and self.checking:
+            unit = units.power(terms[0].unit, 0.5)
+        return Term(FUNCTIONS[name](*(term.values for term in terms)), unit)
+
+    def _power(self, base, exponent) -> Term:
+        base, exponent = self.number(base), self.number(exponent)
+        plain = isinstance(exponent.values, float)
+        unit = units.power(base.unit, exponent.values) if self.checking and plain else "any"
+        return Term(np.power(base.values, exponent.values), unit)
+
+    def _signed(self, sign, operand) -> Term:
+        term = self.number(operand)
+        return Term(-term.values if sign == "-" else term.values, term.unit)
+
+    def _product(self, left, sign, right) -> Term:
+        left, right = self.number(left), self.number(right)
+        unit = units.product(left.unit, right.unit, -1 if sign == "/" else 1) if self.checking else "any"
+        divide = operator.truediv if sign == "/" else operator.mul
+        return Term(divide(_array(left.values), _array(right.values)), unit)
+
+    def _sum(self, left, sign, right) -> Term:
+        left, right = self.number(left), self.number(right)
+        combine = operator.sub if sign == "-" else operator.add
+        return Term(combine(left.values, right.values), self._same_unit(left, right))
+
+    def _comparison(self, left, sign, right) -> Term:
+        left, right = self.visit(left), self.visit(right)
+        if left.unit is None or right.unit is None:
+            return self._compare_words(left, str(sign), right)
+        self._same_unit(left, right)
+        if sign in _COMPARISONS:
+            return Term(_COMPARISONS[sign](left.values, right.values), "any")
+        scale = np.maximum(np.abs(left.values), np.abs(right.values))
+        equal = np.abs(left.values - right.values) <= EQUAL_WITHIN * scale
+        return Term(equal if sign == "==" else ~equal, "any")
+
+    def _compare_words(self, left: Term, sign: str, right: Term) -> Term:
+        labels, word = (left, right) if isinstance(right.values, str) else (right, left)
+        if isinstance(word.values, str) and labels.unit is not None:
+            raise UnknownName(word.values)
+        if isinstance(labels.values, str):
+            raise UnknownName(labels.values)
+        if not isinstance(word.values, str):
+            raise InputError(f"'{self.text}': words can only be compared with one word")
+        if sign not in ("==", "!="):
+            raise InputError(f"'{self.text}': words can only be compared with == or !=")
+        if labels.words and word.values not in labels.words:
+            raise InputError(f"'{self.text}': unknown word '{word.values}': {nearest(word.values, labels.words)}")
+        equal = labels.values == word.values
+        return Term(equal if sign == "==" else ~equal, "any")
+
+    def _either(self, left, right) -> Term:
+        return Term(self._truth(left) | self._truth(right), "any")
+
+    def _both(self, left, right) -> Term:
+        return Term(self._truth(left) & self._truth(right), "any")
+
+    def _negated(self, operand) -> Term:
+        return Term(~self._truth(operand), "any")
+
+    def _truth(self, tree) -> Any:
+        if tree.data not in CONDITIONS:
+            raise InputError(f"'{self.text}': 'and', 'or' and 'not' join conditions, not values")
+        return self.visit(tree).values
+
+    def _same_unit(self, left: Term, right: Term) -> str | None:
+        if left.unit == "any":
+            return right.unit
+        if self.checking and right.unit != "any" and not units.compatible(left.unit, right.unit):
+            raise InputError(
+                f"'{self.text}': a value in {left.unit} cannot be compared with or added to one in {right.unit}"
+            )
+        return left.unit
+
+
+class UnknownName(InputError):
+    """A name that stands for nothing here; whoever knows the names adds the nearest ones."""
+
+    def __init__(self, name: str):
+        super().__init__(f"unknown name '{name}'")
+        self.name = name
+
+
+@cache
+def _parser():
+    from lark import Lark
+
+    grammar = GRAMMAR.replace("@NUMBER@", _NUMBER).replace("@UNIT@", _UNIT)
+    return Lark(grammar, parser="lalr", maybe_placeholders=False)
+
+
+def _values(tree) -> Iterator[Any]:
+    return (subtree.children[0] for subtree in tree.iter_subtrees() if subtree.data == "value")
+
+
+def _split(token) -> tuple[str, str]:
+    """The number and the unit of a value token."""
+    match = re.fullmatch(rf"({_NUMBER})\s?(.*)", str(token))
+    return match[1], match[2]
+
+
+def _depth(tree) -> int:
+    """Nesting depth, without recursion: hostile text must not overflow the stack."""
+    deepest, todo = 0, [(tree, 1)]
+    while todo:
+        node, depth = todo.pop()
+        deepest = max(deepest, depth)
+        todo.extend((child, depth + 1) for child in node.children if hasattr(child, "children"))
+    return deepest
+
+
+def _array(values: Any) -> Any:
+    """Floats that divide by zero give infinity, as arrays do, not an exception."""
+    return np.float64(values) if isinstance(values, float) else values
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else text[:57] + "..."

@@ -1,0 +1,53 @@
+"""Error-free arithmetic: products and differences of squares that keep the digits a plain float loses.
+
+A line one part in 10^12 longer than its chord is described by the last four digits of the inputs; `L**2 - l**2 - h**2`
+in plain floats returns noise there. These functions carry the rounding errors along (Dekker 1971, *A floating-point
+technique for extending the available precision*, Numer. Math. 18, 224-242).
+"""
+
+
+from cablesim.numerics import Array
+
+# Veltkamp's constant for a 53-bit significand: splits a float into two halves of 26 bits.
+SPLITTER = 2.0**27 + 1.0
+
+
+def two_sum(a: Array, b: Array) -> tuple[Array, Array]:
+    """a + b as (rounded sum, rounding error), exactly (Knuth)."""
+    total = a + b
+    shifted = total - a
+    return total, (a - (total - shifted)) + (b - shifted)
+
+
+def two_product(a: Array, b: Array) -> tuple[Array, Array]:
+    """a * b as (rounded product, rounding error), exactly while nothing overflows or underflows."""
+    product = a * b
+    a_high, a_low = _halves(a)
+    b_high, b_low = _halves(b)
+    return product, ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
+
+
+def two_square(a: Array) -> tuple[Array, Array]:
+    """a**2 as (rounded square, rounding error)."""
+    square = a * a
+    high, low = _halves(a)
+    return square, ((high * high - square) + 2.0 * high * low) + low * low
+
+
+def excess_of_squares(length: Array, tail: Array, span: Array, rise: Array) -> Array:
+    """(length + tail)**2 - span**2 - rise**2, correct to a few units in the last place even when it nearly vanishes.
+
+    `tail` is the part of the length too small for the float `length` to hold (0 where there is none).
+    """
+    length_high, length_low = two_square(length)
+    span_high, span_low = two_square(span)
+    rise_high, rise_low = two_square(rise)
+    partial, error_1 = two_sum(length_high, -span_high)
+    total, error_2 = two_sum(partial, -rise_high)
+    return total + (((error_1 + error_2) + (length_low - span_low - rise_low)) + (2.0 * length + tail) * tail)
+
+
+def _halves(a: Array) -> tuple[Array, Array]:
+    scaled = SPLITTER * a
+    high = scaled - (scaled - a)
+    return high, a - high

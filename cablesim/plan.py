@@ -1,0 +1,148 @@
+"""The plan of a scene: which shards to compute and where each goes. Written once for each content of the scene, and read
+by every later step, so that all of them speak of the same shards.
+
+A plan is an .npz file: a JSON head, and the points of every axis and placement as arrays.
+"""
+
+import hashlib
+import json
+import math
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cablesim.config.scene import Scene
+from cablesim.design import Axis
+from cablesim.errors import EnvironmentFault, InputError
+from cablesim.files import written_whole
+from cablesim.shards import MethodPlan, Placement, Recipe, plan_methods
+from cablesim.solver import source_digest
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class ScenePlan:
+    """The shards of every method of a scene; `digest` names the content it was made from."""
+
+    scene: str
+    digest: str
+    methods: tuple[MethodPlan, ...]
+
+    @property
+    def recipes(self) -> dict[str, Recipe]:
+        """Every shard by its digest."""
+        return {p.recipe.digest: p.recipe for method in self.methods for p in method.placements}
+
+    @property
+    def scenarios(self) -> int:
+        """Scenarios in all shards, each counted once for each method that solves it."""
+        return sum(math.prod(recipe.shape) for recipe in self.recipes.values())
+
+    def method_of(self, digest: str) -> str:
+        """The first method that a shard belongs to."""
+        return next(m.method for m in self.methods for p in m.placements if p.recipe.digest == digest)
+
+
+def plan_digest(scene: Scene) -> str:
+    """Digest of what a plan depends on: the scene, its tables, and the sources of its solvers."""
+    digest = hashlib.sha256(f"{FORMAT} {scene.digest}".encode())
+    for method in scene.methods:
+        digest.update(source_digest(method.solver.name).encode())
+    return digest.hexdigest()[:16]
+
+
+def plan_scene(scene: Scene, folder: Path) -> ScenePlan:
+    """The plan of a scene, from `folder` if it is there already, made and written there if not."""
+    digest = plan_digest(scene)
+    path = plan_path(folder, scene.name, digest)
+    if path.exists():
+        return read_plan(path)
+    known = (
+        recipe for other in sorted(folder.glob(f"{scene.name}.*.npz")) for recipe in read_plan(other).recipes.values()
+    )
+    plan = ScenePlan(scene.name, digest, plan_methods(scene, known))
+    _write(path, plan)
+    return plan
+
+
+def plan_path(folder: Path, scene: str, digest: str) -> Path:
+    """Where the plan of a scene's content is kept."""
+    return folder / f"{scene}.{digest}.npz"
+
+
+def read_plan(path: Path) -> ScenePlan:
+    """Read a plan. Raises EnvironmentFault where the file is damaged, InputError where it is missing."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such plan")
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+        head = json.loads(arrays.pop("head").tobytes())
+        recipes = {digest: _recipe(digest, entry, arrays) for digest, entry in head["recipes"].items()}
+        methods = tuple(_method(i, entry, recipes, arrays) for i, entry in enumerate(head["methods"]))
+        return ScenePlan(head["scene"], head["digest"], methods)
+    except (OSError, ValueError, KeyError, EOFError, IndexError, zipfile.BadZipFile) as problem:
+        raise EnvironmentFault(f"{path}: damaged ({problem}); delete it and run the study again") from None
+
+
+def _write(path: Path, plan: ScenePlan) -> None:
+    recipes = {digest: _recipe_head(recipe) for digest, recipe in plan.recipes.items()}
+    methods = [
+        {
+            "method": m.method,
+            "positions": m.positions,
+            "placements": [{"recipe": p.recipe.digest, "axis": p.axis} for p in m.placements],
+        }
+        for m in plan.methods
+    ]
+    head = json.dumps({"scene": plan.scene, "digest": plan.digest, "recipes": recipes, "methods": methods}).encode()
+    arrays = dict(_arrays(plan))
+    with written_whole(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, allow_pickle=False, head=np.frombuffer(head, dtype=np.uint8), **arrays)
+
+
+def _arrays(plan: ScenePlan) -> Iterator[tuple[str, np.ndarray]]:
+    for digest, recipe in plan.recipes.items():
+        for i, axis in enumerate(recipe.axes):
+            for name, values in axis.columns.items():
+                yield f"{digest}/{i}/{name}", values
+    for i, method in enumerate(plan.methods):
+        for j, placement in enumerate(method.placements):
+            for k, (source, target) in enumerate(zip(placement.source, placement.target, strict=True)):
+                yield f"source/{i}/{j}/{k}", source
+                yield f"target/{i}/{j}/{k}", target
+
+
+def _recipe_head(recipe: Recipe) -> dict[str, Any]:
+    return {
+        "solver": recipe.solver,
+        "sources": recipe.sources,
+        "options": recipe.options,
+        "outputs": recipe.outputs,
+        "fixed": {name: value.hex() for name, value in recipe.fixed.items()},
+        "axes": [[axis.name, list(axis.columns)] for axis in recipe.axes],
+    }
+
+
+def _recipe(digest: str, head: dict[str, Any], arrays: dict[str, np.ndarray]) -> Recipe:
+    axes = tuple(
+        Axis(axis, {name: arrays[f"{digest}/{i}/{name}"] for name in names})
+        for i, (axis, names) in enumerate(head["axes"])
+    )
+    fixed = {name: float.fromhex(value) for name, value in head["fixed"].items()}
+    return Recipe(head["solver"], head["sources"], head["options"], tuple(head["outputs"]), fixed, axes)
+
+
+def _method(i: int, head: dict[str, Any], recipes: dict[str, Recipe], arrays: dict[str, np.ndarray]) -> MethodPlan:
+    placements = []
+    for j, entry in enumerate(head["placements"]):
+        dims = range(len(entry["axis"]))
+        source = tuple(arrays[f"source/{i}/{j}/{k}"] for k in dims)
+        target = tuple(arrays[f"target/{i}/{j}/{k}"] for k in dims)
+        placements.append(Placement(recipes[entry["recipe"]], tuple(entry["axis"]), source, target))
+    return MethodPlan(head["method"], tuple(head["positions"]), tuple(placements))

@@ -1,0 +1,55 @@
+"""A solver or a scene in words, from its own docstring and the table of quantities."""
+
+import ast
+import inspect
+
+from cablesim.quantities import quantity
+from cablesim.solver import Solver
+
+
+def description(solver: Solver) -> str:
+    """Theory, parameters, options and outputs of a solver."""
+    docstring = inspect.cleandoc(ast.get_docstring(ast.parse(inspect.getsource(solver.module))) or "")
+    return "\n".join([docstring, "", *_parameters(solver), *_options(solver), *_outputs(solver)])
+
+
+def scene_line(name: str, dataset) -> str:
+    """One line on a scene's dataset: its size and the fate of its scenarios."""
+    axes = " x ".join(f"{dim} {dataset.sizes[dim]}" for dim in dataset.status.dims)
+    flagged = int((dataset.status != 0).sum())
+    fate = "all solved" if not flagged else f"{flagged} flagged"
+    return f"{name:<20} {dataset.status.size:>9} scenarios ({axes}), {fate}: {dataset.attrs['title']}"
+
+
+def _parameters(solver: Solver) -> list[str]:
+    lines = ["Parameters:"]
+    for spec in solver.parameters.values():
+        notes = [f"> {spec.above:g}"] if spec.above is not None else []
+        notes += [f"default {spec.default:g}"] if spec.default is not None else []
+        notes += [f"instead of {spec.instead_of}"] if spec.instead_of else []
+        lines.append(_line(spec.name, ", ".join(notes)))
+    return lines
+
+
+def _options(solver: Solver) -> list[str]:
+    if not solver.options:
+        return []
+    return [
+        "Options:",
+        *(f"  {o.name:<20} {o.meaning} ({o.allowed}; default {o.default})" for o in solver.options.values()),
+    ]
+
+
+def _outputs(solver: Solver) -> list[str]:
+    return [
+        "Outputs:",
+        *(
+            _line(name, f"over {', '.join(quantity(name).dims)}" if quantity(name).dims else "")
+            for name in solver.outputs
+        ),
+    ]
+
+
+def _line(name: str, notes: str) -> str:
+    row = quantity(name)
+    return f"  {name:<20} [{row.unit}] {row.meaning}" + (f" ({notes})" if notes else "")

@@ -1,0 +1,46 @@
+"""What a scene will cost, before it runs: scenarios, shards, time and disk, from the measured rates of its solvers."""
+
+import math
+
+from cablesim.config.scene import Scene
+from cablesim.quantities import quantity
+from cablesim.shards import plan_methods
+from cablesim.units import readable_bytes, readable_seconds
+
+# Measured: a lean job starts in about a second, collecting, tables and figures take a few more for each scene.
+SECONDS_PER_JOB = 1.0
+SECONDS_PER_SCENE = 5.0
+SECONDS_PER_STORED_NUMBER = 4e-8
+
+
+def estimate(scene: Scene) -> str:
+    """A few lines: what was understood, and what it takes."""
+    plans = plan_methods(scene, ())
+    lines = [
+        f"{scene.path}: valid",
+        f"  {scene.title}",
+        f"  {scene.design.kind}: {_axes(scene)} = {scene.size} scenarios",
+    ]
+    seconds = SECONDS_PER_SCENE
+    for method, plan in zip(scene.methods, plans, strict=True):
+        solved = sum(math.prod(p.recipe.shape) for p in plan.placements)
+        work = solved * method.solver.seconds_per_scenario
+        seconds += work + SECONDS_PER_JOB * len(plan.placements)
+        lines.append(
+            f"  {method.name} ({method.solver.name}): {solved} to solve in {len(plan.placements)} shard(s), about {readable_seconds(work)}"
+        )
+    numbers = len(scene.methods) * scene.size * sum(_numbers(name, scene) for name in scene.outputs)
+    seconds += 2 * numbers * SECONDS_PER_STORED_NUMBER
+    lines.append(
+        f"  in all about {readable_seconds(seconds)} on one core, at most {readable_bytes(16 * numbers)} on disk"
+    )
+    return "\n".join(lines)
+
+
+def _axes(scene: Scene) -> str:
+    return " x ".join(f"{axis.name} {axis.size}" for axis in scene.design.axes)
+
+
+def _numbers(output: str, scene: Scene) -> int:
+    nodes = max(int(method.options.get("nodes", 1)) for method in scene.methods)
+    return {0: 1, 1: nodes, 2: 3 * nodes}[len(quantity(output).dims)]

@@ -1,0 +1,226 @@
+"""Figures of a scene, as its file asks for them: curves, maps, profiles and the picture of an audit. SVG and PNG."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+
+from cablesim.config.scene import Figure, Scene
+from cablesim.database.reading import evaluate, of_method, select
+from cablesim.errors import InputError
+from cablesim.files import written_whole
+from cablesim.quantities import QUANTITIES
+from cablesim.report.audit import AGREES, MISPRINT, ROUNDED_KEY, audit_table
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
+
+# Okabe and Ito's palette: distinct for every kind of colour vision.
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
+DASHES = ("-", "--", "-.", ":")
+STYLE: dict[str, Any] = {
+    "figure.figsize": (7.0, 4.5),
+    "figure.constrained_layout.use": True,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "font.size": 10,
+    # The same figure must be the same bytes: no random ids, no clock.
+    "svg.hashsalt": "cablesim",
+    "svg.fonttype": "path",
+}
+MOST_LEGEND_LINES = 8
+FLAG_COLOURS = {AGREES: "#E8E8E8", ROUNDED_KEY: "#E69F00", MISPRINT: "#D55E00"}
+
+
+def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> list[Path]:
+    """Draw every figure of a scene and return the files. Raises InputError, naming the figure, where it cannot."""
+    drawers = {"curves": _curves, "map": _map, "profiles": _profiles, "audit": _audit}
+    paths = []
+    for figure in scene.figures:
+        with plt.rc_context(STYLE):
+            try:
+                drawn = drawers[figure.kind](scene, dataset, figure)
+            except InputError as problem:
+                raise InputError(f"{scene.path}: figures.{figure.name}: {problem}") from None
+            paths += _save(drawn, folder / f"{scene.name}_{figure.name}")
+    return paths
+
+
+def _save(figure: Any, stem: Path) -> Iterator[Path]:
+    for suffix, settings in (
+        (".svg", {"metadata": {"Date": None}}),
+        (".png", {"dpi": 150, "metadata": {"Software": None}}),
+    ):
+        path = stem.with_suffix(suffix)
+        with written_whole(path) as temporary:
+            figure.savefig(temporary, format=suffix[1:], **settings)
+        yield path
+    plt.close(figure)
+
+
+def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    settings = figure.settings
+    chosen = dataset if "where" not in settings else dataset.where(select(dataset, settings["where"]))
+    drawn, axes = plt.subplots()
+    for number, (label, formula) in enumerate(settings["y"].items()):
+        for part, shade, suffix in _each(chosen, settings.get("each")):
+            x, y = xr.broadcast(evaluate(part, settings["x"]), evaluate(part, formula))
+            shaded = shade is not None
+            style = {
+                "color": shade if shaded else PALETTE[number % len(PALETTE)],
+                "linestyle": DASHES[number % 4 if shaded else 0],
+            }
+            name = (suffix if number == 0 else None) if shaded else label
+            axes.plot(x.values.ravel(), y.values.ravel(), label=name, **style)
+        if "each" in settings and len(settings["y"]) > 1:
+            axes.plot([], [], label=label, color="black", linestyle=DASHES[number % 4])
+    _printed_points(scene, axes, settings["points"])
+    _scales(axes, settings["log"])
+    axes.set(
+        title=scene.title, xlabel=settings.get("x_label") or _label(settings["x"]), ylabel=settings.get("y_label", "")
+    )
+    lines = len(axes.get_legend_handles_labels()[0])
+    if lines > MOST_LEGEND_LINES:
+        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    elif lines > 1:
+        axes.legend()
+    return drawn
+
+
+def _each(dataset: xr.Dataset, name: str | None) -> Iterator[tuple[xr.Dataset, Any, str]]:
+    """The dataset point by point along an axis, with a shade and a label; or all of it at once."""
+    if name is None:
+        yield dataset, None, ""
+        return
+    if name not in dataset.dims:
+        raise InputError(f"'{name}' is not an axis of this scene")
+    shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[name]))
+    for i, shade in enumerate(shades):
+        yield dataset.isel({name: i}), shade, f"{_word(name)} = {float(dataset[name][i]):g}"
+
+
+def _printed_points(scene: Scene, axes: Any, points: dict[str, str]) -> None:
+    table = scene.published.table if scene.published else scene.reference.table if scene.reference else None
+    if not points:
+        return
+    if table is None:
+        raise InputError("points need a published table or a reference table")
+    x = table.evaluate(points["x"])
+    for number, (label, formula) in enumerate((k, v) for k, v in points.items() if k != "x"):
+        colour = PALETTE[number % len(PALETTE)]
+        axes.plot(x, table.evaluate(formula), "o", color=colour, markerfacecolor="white", label=label)
+
+
+def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    settings = figure.settings
+    value = evaluate(dataset, settings["value"])
+    if "where" in settings:
+        value = value.where(select(dataset, settings["where"]))
+    value = value.isel(method=0, drop=True) if "method" in value.dims else value
+    x, y = evaluate(dataset, settings["x"]), evaluate(dataset, settings["y"])
+    value = value.transpose(*y.dims, *x.dims)
+    drawn, axes = plt.subplots()
+    finite = value.values[np.isfinite(value.values)]
+    logarithmic = "value" in settings["log"]
+    positive = finite[finite > 0.0] if logarithmic else finite
+    norm = LogNorm(positive.min(), positive.max()) if logarithmic and positive.size else None
+    shown = np.ma.masked_invalid(np.where(value.values > 0.0, value.values, np.nan) if logarithmic else value.values)
+    axes.set_facecolor("#DDDDDD")
+    mesh = axes.pcolormesh(x.values, y.values, shown, norm=norm, shading="nearest", cmap="viridis", rasterized=True)
+    drawn.colorbar(mesh, ax=axes, label=settings.get("label", settings["value"]))
+    _scales(axes, settings["log"].replace("value", "").strip())
+    axes.grid(visible=False)
+    missing = value.size - finite.size
+    note = f"\ngrey: no solution ({missing} of {value.size})" if missing and "where" not in settings else ""
+    axes.set(title=scene.title + note, xlabel=_label(settings["x"]), ylabel=_label(settings["y"]))
+    return drawn
+
+
+def _profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """The shape of every method at some values of one parameter, one panel each."""
+    panels = list(_profile_panels(dataset, figure.settings["at"]))
+    drawn, grid = plt.subplots(1, len(panels), figsize=(3.2 * len(panels) + 1, 3.0), sharey=True, squeeze=False)
+    for axes, (heading, panel) in zip(grid[0], panels, strict=True):
+        for number, method in enumerate(panel.method.values):
+            profile = of_method(panel.profile, method)
+            style = {"color": PALETTE[number % len(PALETTE)], "linestyle": DASHES[number % 4]}
+            axes.plot(profile.sel(component="x"), profile.sel(component="z"), label=str(method), **style)
+        axes.set(title=heading, xlabel="x [m]", aspect="equal")
+    grid[0][0].set_ylabel("z [m]")
+    grid[0][0].legend(loc="upper center")
+    drawn.suptitle(scene.title)
+    return drawn
+
+
+def _profile_panels(dataset: xr.Dataset, at: dict[str, list[Any]]) -> Iterator[tuple[str, xr.Dataset]]:
+    if len(at) != 1:
+        raise InputError("'at' must name one parameter and its values")
+    name, values = next(iter(at.items()))
+    if name not in dataset.coords or dataset[name].ndim != 1:
+        raise InputError(f"'{name}' does not vary in this scene")
+    for value in values:
+        where = int(np.abs(dataset[name].values - float(value)).argmin())
+        found = float(dataset[name][where])
+        yield f"{_word(name)} {found:g}", dataset.isel({dataset[name].dims[0]: where})
+
+
+def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """Every cell of the printed table, coloured by its flag, with the printed value in it."""
+    table = audit_table(scene, dataset)
+    columns = list(dict.fromkeys(table["column"]))
+    rows = sorted(set(table["row"]))
+    flags = list(FLAG_COLOURS)
+    colours = np.full((len(rows), len(columns)), np.nan)
+    drawn, axes = plt.subplots(figsize=(1.35 * len(columns) + 1.5, 0.24 * len(rows) + 1.6))
+    for cell in table.to_dict("records"):
+        i, j = rows.index(cell["row"]), columns.index(cell["column"])
+        colours[i, j] = flags.index(cell["flag"])
+        wrong = cell["flag"] == MISPRINT
+        exact = f"  ({cell['exact_at_argument']:.5g})" if wrong else ""
+        axes.text(
+            j,
+            i,
+            cell["printed"] + exact,
+            ha="center",
+            va="center",
+            fontsize=7,
+            fontweight="bold" if wrong else "normal",
+        )
+    palette = ListedColormap(list(FLAG_COLOURS.values()))
+    axes.imshow(np.ma.masked_invalid(colours), aspect="auto", cmap=palette, norm=BoundaryNorm(np.arange(-0.5, 3), 3))
+    axes.set_xticks(range(len(columns)), [_word(name) for name in columns], rotation=20, ha="left", fontsize=8)
+    axes.xaxis.tick_top()
+    axes.set_yticks(range(len(rows)), [str(row) for row in rows], fontsize=7)
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(False)
+    counts = table["flag"].value_counts()
+    handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in FLAG_COLOURS.values()]
+    labels = [f"{flag} ({counts.get(flag, 0)})" for flag in FLAG_COLOURS]
+    labels[flags.index(MISPRINT)] += ": printed (exact)"
+    drawn.legend(handles, labels, loc="outside lower center", ncols=3)
+    drawn.suptitle(scene.title)
+    return drawn
+
+
+def _scales(axes: Any, log: str) -> None:
+    if "x" in log:
+        axes.set_xscale("log")
+    if "y" in log:
+        axes.set_yscale("log")
+
+
+def _label(formula: str) -> str:
+    """The label of a quantity where a formula is just its name; else the formula itself."""
+    return QUANTITIES[formula].label if formula in QUANTITIES else formula.replace("_", " ")
+
+
+def _word(name: str) -> str:
+    return name.replace("_", " ")

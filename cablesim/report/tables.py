@@ -1,0 +1,151 @@
+"""Tables of a scene: errors against the reference, tensions by scenario, and how many scenarios met which fate."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from cablesim.config.scene import Scene
+from cablesim.database.reading import of_method, status_words
+from cablesim.files import write_text
+from cablesim.quantities import quantity
+
+# A table that nobody can read is not written row by row: beyond this it becomes statistics, and `query` has the rows.
+MOST_ROWS = 10_000
+MARKDOWN_ROWS = 40
+
+
+def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
+    """Absolute and relative error of every scalar output and method against the reference.
+
+    Largest, median and 95 % over the scenarios that both solved, and where the largest relative error lies.
+    """
+    rows = []
+    for output in scene.outputs:
+        if quantity(output).dims:
+            continue
+        reference = _reference_values(scene, dataset, output)
+        if reference is None:
+            continue
+        for method in scene.methods:
+            if scene.reference is not None and method.name == scene.reference.method:
+                continue
+            values = of_method(dataset[output], method.name)
+            rows.append(
+                {"method": method.name, "output": output, "unit": quantity(output).unit, **_errors(values, reference)}
+            )
+    return pd.DataFrame(rows)
+
+
+def tension_table(dataset: xr.Dataset) -> pd.DataFrame:
+    """The tensions by scenario; for very many scenarios their statistics by method."""
+    names = [
+        str(name)
+        for name in dataset.data_vars
+        if "tension" in str(name) and not quantity(str(name)).dims and quantity(str(name)).unit == "N"
+    ]
+    if not names:
+        return pd.DataFrame()
+    if dataset[names[0]].size > MOST_ROWS:
+        return _tension_statistics(dataset, names)
+    return frame(dataset, [*names, "status"])
+
+
+def status_table(dataset: xr.Dataset) -> pd.DataFrame:
+    """How many scenarios of each method met which fate, and the measured time for each."""
+    words = status_words(dataset)
+    rows = []
+    for method in dataset.method.values:
+        status = of_method(dataset.status, method).values.ravel()
+        counts = np.bincount(status, minlength=len(words))
+        run_time = float(of_method(dataset.run_time, method).mean())
+        rows.append({"method": str(method), **dict(zip(words, counts.tolist(), strict=True)), "run_time [s]": run_time})
+    return pd.DataFrame(rows)
+
+
+def frame(dataset: xr.Dataset, names: list[str]) -> pd.DataFrame:
+    """A row for each method and scenario: coordinates, then the named variables; status as its word."""
+    flat = dataset[names].reset_coords(
+        [c for c in dataset.coords if c not in dataset.dims and dataset[c].ndim == 0], drop=True
+    )
+    table = flat.to_dataframe().reset_index()
+    if "status" in table:
+        table["status"] = np.array(status_words(dataset))[table["status"].to_numpy()]
+    leading = [c for c in table.columns if c in flat.coords]
+    return table[[*leading, *names]]
+
+
+def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> list[Path]:
+    """Write a table as CSV, whole, and as Markdown, in the length that a person reads."""
+    if table.empty:
+        return []
+    csv, markdown = folder / f"{name}.csv", folder / f"{name}.md"
+    write_text(csv, table.to_csv(index=False, lineterminator="\n"))
+    shown = table.head(MARKDOWN_ROWS)
+    more = f"\n\n{len(table) - len(shown)} more rows are in `{csv.name}`." if len(table) > len(shown) else ""
+    body = shown.to_markdown(index=False, floatfmt=".6g")
+    write_text(markdown, f"{caption}\n\n{body}{more}\n")
+    return [csv, markdown]
+
+
+def _reference_values(scene: Scene, dataset: xr.Dataset, output: str) -> xr.DataArray | None:
+    if scene.reference is None:
+        return None
+    if scene.reference.method is not None:
+        return of_method(dataset[output], scene.reference.method)
+    if output not in scene.reference.columns or scene.reference.table is None:
+        return None
+    values = scene.reference.table.evaluate(scene.reference.columns[output])
+    return xr.DataArray(values[dataset.row.values], dims="scenario")
+
+
+def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
+    absolute = np.abs(values - reference)
+    relative = absolute / np.abs(reference)
+    found = absolute.values[np.isfinite(absolute.values)]
+    found_relative = relative.values[np.isfinite(relative.values)]
+    return {
+        "scenarios": found.size,
+        **_spread("absolute", found),
+        **_spread("relative", found_relative),
+        "worst at": _place_of_largest(relative),
+    }
+
+
+def _spread(kind: str, values: np.ndarray) -> dict[str, float]:
+    statistics = {"max": np.max, "median": np.median, "95 %": lambda v: np.quantile(v, 0.95)}
+    return {f"{kind} {name}": float(f(values)) if values.size else float("nan") for name, f in statistics.items()}
+
+
+def _place_of_largest(relative: xr.DataArray) -> str:
+    values = relative.values
+    if not np.isfinite(values).any():
+        return ""
+    where = np.unravel_index(np.nanargmax(np.where(np.isfinite(values), values, -1.0)), values.shape)
+    point = relative.isel(dict(zip(relative.dims, (int(i) for i in where), strict=True)))
+    coords = [c for c in point.coords if c not in ("row", "key", "rounding") and relative[c].ndim > 0]
+    named = [c for c in coords if c != "scenario"] or coords
+    return ", ".join(f"{name}={float(point[name]):.12g}" for name in named)
+
+
+def _tension_statistics(dataset: xr.Dataset, names: list[str]) -> pd.DataFrame:
+    return pd.DataFrame(list(_statistics_rows(dataset, names)))
+
+
+def _statistics_rows(dataset: xr.Dataset, names: list[str]) -> Iterator[dict[str, object]]:
+    levels = (0.0, 0.05, 0.5, 0.95, 1.0)
+    for method in dataset.method.values:
+        for name in names:
+            values = of_method(dataset[name], method).values
+            values = values[np.isfinite(values)]
+            spread = np.quantile(values, levels) if values.size else np.full(len(levels), np.nan)
+            heads = ("smallest", "5 %", "median", "95 %", "largest")
+            yield {
+                "method": str(method),
+                "tension": name,
+                "unit": quantity(name).unit,
+                "solved": values.size,
+                **dict(zip(heads, spread, strict=True)),
+            }

@@ -1,0 +1,313 @@
+"""What a solver is: a module in `cablesim/solvers/` with `Parameters`, `solve` and `OUTPUTS`.
+
+    Parameters   a frozen dataclass on `Batch`: one array per parameter, one entry per scenario
+    Options      (optional) a frozen dataclass of numerical options; the default is none
+    OUTPUTS      the names of what it can answer, all rows of the table of quantities
+    SECONDS_PER_SCENARIO   a measured cost, from which shards are sized
+    solve(parameters, options) -> Solution; its answer has an attribute for every output, and one that is a cached
+                 property costs nothing unless it is asked for
+    ITERATES     (optional) True where it reports its iterations
+
+Nothing registers itself: solvers are found by looking into the folder, and only the one asked for is imported. Modules
+whose name starts with an underscore are shared parts, not solvers.
+"""
+
+import ast
+import dataclasses
+import hashlib
+import importlib
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Self
+
+import numpy as np
+
+from cablesim.errors import InputError, nearest
+from cablesim.numerics import Array
+from cablesim.quantities import quantity
+
+PACKAGE = Path(__file__).parent
+FOLDER = PACKAGE / "solvers"
+# Beyond this no length, force or stiffness is physical, and squares of squares stay clear of overflow.
+LARGEST = 1e60
+
+
+def parameter(
+    *,
+    typical: tuple[float, float],
+    above: float | None = None,
+    default: float | None = None,
+    instead_of: str | None = None,
+) -> Any:
+    """A field of `Parameters`.
+
+    `typical` is the range that property tests and sampling start from; `above` an open lower bound; `instead_of` names
+    the parameter that this one replaces: exactly one of the two is given.
+    """
+    metadata = {"typical": typical, "above": above, "instead_of": instead_of, "default": default}
+    return field(default=default, metadata=metadata)
+
+
+def option(default: Any, *, meaning: str, at_least: float | None = None, one_of: tuple[str, ...] = ()) -> Any:
+    """A field of `Options`: a numerical setting of the method, not a property of the line."""
+    return field(default=default, metadata={"meaning": meaning, "at_least": at_least, "one_of": one_of})
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Parameters of many scenarios: every field a float array of shape (scenario,), checked when it is made.
+
+    Scalars and arrays of one length go together. Raises InputError naming the parameter, its value and unit, how many
+    are wrong and which is the first.
+    """
+
+    def __post_init__(self) -> None:
+        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        arrays = {
+            name: np.atleast_1d(np.asarray(value, dtype=float)) for name, value in given.items() if value is not None
+        }
+        check_given(type(self), set(arrays))
+        sizes = {array.size for array in arrays.values() if array.size != 1} or {1}
+        if len(sizes) > 1 or any(array.ndim > 1 for array in arrays.values()):
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+            raise InputError(f"parameters must be scalars or arrays of one length, not {shapes}")
+        for spec in specs(type(self)):
+            if spec.name in arrays:
+                spec.check(arrays[spec.name])
+        for name, array in arrays.items():
+            object.__setattr__(self, name, np.ascontiguousarray(np.broadcast_to(array, sizes)))
+
+    @property
+    def size(self) -> int:
+        """The number of scenarios."""
+        return next(v.size for f in dataclasses.fields(self) if (v := getattr(self, f.name)) is not None)
+
+    def part(self, rows: slice) -> Self:
+        """Some of the scenarios, already checked."""
+        piece = object.__new__(type(self))
+        for f in dataclasses.fields(self):
+            value = getattr(self, f.name)
+            object.__setattr__(piece, f.name, None if value is None else value[rows])
+        return piece
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What `solve` returns: the fate of every scenario, and an object with one attribute for each output.
+
+    `status` and `iterations` have shape (scenario,), an output (scenario, ...).
+    """
+
+    status: np.ndarray
+    answer: Any
+    iterations: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class NoOptions:
+    """A method with nothing to set."""
+
+
+@dataclass(frozen=True)
+class ParameterSpec:
+    """One parameter as declared: name, unit, bounds, default and what it may stand in for."""
+
+    name: str
+    typical: tuple[float, float]
+    above: float | None
+    default: float | None
+    instead_of: str | None
+
+    @property
+    def unit(self) -> str:
+        return quantity(self.name).unit
+
+    def check(self, values: Array) -> None:
+        """Raises InputError unless every value is finite, inside the declared bound and of a physical magnitude."""
+        bad = ~(np.abs(values) <= LARGEST)
+        if self.above is not None:
+            bad |= ~(values > self.above)
+            bad |= values < 1.0 / LARGEST
+        if not bad.any():
+            return
+        first = int(np.argmax(bad))
+        count = f"{int(bad.sum())} of {bad.size} are not (first: scenario {first}, " if bad.size > 1 else "it is "
+        closing = ")" if bad.size > 1 else ""
+        shown = "" if self.unit == "1" else f" {self.unit}"
+        raise InputError(f"{self.name} must be {self.bounds}: {count}{values.flat[first]:g}{shown}{closing}")
+
+    @property
+    def bounds(self) -> str:
+        shown = "" if self.unit == "1" else f" {self.unit}"
+        return "finite" if self.above is None else f"finite and > {self.above:g}{shown}"
+
+
+@dataclass(frozen=True)
+class OptionSpec:
+    """One numerical option as declared."""
+
+    name: str
+    default: Any
+    meaning: str
+    at_least: float | None
+    one_of: tuple[str, ...]
+
+    def read(self, value: Any) -> Any:
+        """The value in the type of the default. Raises InputError for another type, or outside what is allowed."""
+        wanted = type(self.default)
+        if isinstance(value, str) and wanted in (int, float):
+            try:
+                value = wanted(value)
+            except ValueError:
+                raise InputError(f"option {self.name} must be {self.allowed}, not {value!r}") from None
+        if wanted is float and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if type(value) is not wanted or (self.at_least is not None and not value >= self.at_least):
+            raise InputError(f"option {self.name} must be {self.allowed}, not {value!r}")
+        if self.one_of and value not in self.one_of:
+            raise InputError(f"option {self.name} must be {self.allowed}, not {value!r}: {nearest(value, self.one_of)}")
+        return value
+
+    @property
+    def allowed(self) -> str:
+        if self.one_of:
+            return "one of " + ", ".join(self.one_of)
+        kind = {int: "a whole number", float: "a number", str: "a word"}[type(self.default)]
+        return kind if self.at_least is None else f"{kind} >= {self.at_least:g}"
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver module, seen from outside."""
+
+    name: str
+    module: ModuleType
+
+    @property
+    def summary(self) -> str:
+        return summary(self.name)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        return self.module.OUTPUTS
+
+    @property
+    def iterates(self) -> bool:
+        """Whether it reports how many iterations each scenario took."""
+        return getattr(self.module, "ITERATES", False)
+
+    @property
+    def seconds_per_scenario(self) -> float:
+        return self.module.SECONDS_PER_SCENARIO
+
+    @cached_property
+    def parameters(self) -> dict[str, ParameterSpec]:
+        return {spec.name: spec for spec in specs(self.module.Parameters)}
+
+    @cached_property
+    def options(self) -> dict[str, OptionSpec]:
+        fields = dataclasses.fields(getattr(self.module, "Options", NoOptions))
+        return {f.name: OptionSpec(f.name, f.default, **f.metadata) for f in fields}
+
+    def make_parameters(self, values: dict[str, Any]) -> Any:
+        """A batch of scenarios. Raises InputError for an unknown, missing or impossible parameter."""
+        for name in values:
+            if name not in self.parameters:
+                raise InputError(f"{self.name} has no parameter '{name}': {nearest(name, self.parameters)}")
+        check_given(self.module.Parameters, set(values))
+        return self.module.Parameters(**values)
+
+    def make_options(self, values: dict[str, Any]) -> Any:
+        """The numerical options. Raises InputError for an unknown one or a value that is not allowed."""
+        for name in values:
+            if name not in self.options:
+                raise InputError(f"{self.name} has no option '{name}': {nearest(name, self.options)}")
+        read = {name: self.options[name].read(value) for name, value in values.items()}
+        return getattr(self.module, "Options", NoOptions)(**read)
+
+    def check_outputs(self, names: tuple[str, ...]) -> None:
+        """Raises InputError for an output it does not have."""
+        for name in names:
+            if name not in self.outputs:
+                raise InputError(f"{self.name} has no output '{name}': {nearest(name, self.outputs)}")
+
+
+@cache
+def specs(parameters: type) -> tuple[ParameterSpec, ...]:
+    """The parameters that a class declares."""
+    return tuple(ParameterSpec(name=f.name, **f.metadata) for f in dataclasses.fields(parameters))
+
+
+def check_given(parameters: type, given: set[str]) -> None:
+    """Raises InputError unless every required parameter is given, and exactly one of each pair of alternatives."""
+    replaced = {spec.instead_of: spec.name for spec in specs(parameters) if spec.instead_of}
+    for spec in specs(parameters):
+        other = replaced.get(spec.name)
+        if other and spec.name in given and other in given:
+            raise InputError(f"{spec.name} and {other} are both given: one of them says it all")
+        if spec.name in given or (other and other in given) or spec.default is not None or spec.instead_of:
+            continue
+        wanted = f"{spec.name} (or {other})" if other else spec.name
+        raise InputError(f"missing parameter {wanted} [{spec.unit}], {quantity(spec.name).meaning}")
+
+
+def solver_names() -> list[str]:
+    """The solvers in the folder, by name."""
+    return sorted(path.stem for path in FOLDER.glob("*.py") if not path.stem.startswith("_"))
+
+
+@cache
+def load_solver(name: str) -> Solver:
+    """Import one solver. Raises InputError, with the nearest names, if there is none of that name."""
+    if name not in solver_names():
+        raise InputError(f"unknown solver '{name}': {nearest(name, solver_names())}")
+    return Solver(name, importlib.import_module(f"cablesim.solvers.{name}"))
+
+
+def summary(name: str) -> str:
+    """The first sentence of a solver's docstring, read without importing it."""
+    docstring = ast.get_docstring(ast.parse((FOLDER / f"{name}.py").read_text(encoding="utf-8"))) or ""
+    return docstring.split("\n", 1)[0].strip()
+
+
+@cache
+def source_digest(name: str) -> str:
+    """Digest of everything that decides a solver's numbers: its module and what it imports of physics and numerics.
+
+    Results are named by it, so editing a solver reruns what it solved and nothing else.
+    """
+    digest = hashlib.sha256()
+    for path in sorted(_sources(FOLDER / f"{name}.py")):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _sources(start: Path) -> set[Path]:
+    """The module and, transitively, the modules of `physics`, `numerics` and `solvers` that it imports."""
+    found: set[Path] = set()
+    todo = [start]
+    while todo:
+        path = todo.pop()
+        if path in found:
+            continue
+        found.add(path)
+        for module in _imported(path):
+            for candidate in (PACKAGE / f"{module}.py", PACKAGE / module / "__init__.py"):
+                if candidate.exists() and candidate.relative_to(PACKAGE).parts[0] in ("physics", "numerics", "solvers"):
+                    todo.append(candidate)
+    return found
+
+
+def _imported(path: Path) -> set[str]:
+    """Modules of this package that a file imports, as paths below the package."""
+    modules = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("cablesim."):
+            base = node.module.removeprefix("cablesim.").replace(".", "/")
+            modules |= {base, *(f"{base}/{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names if alias.name.startswith("cablesim.")]
+            modules |= {name.removeprefix("cablesim.").replace(".", "/") for name in names}
+    return modules

@@ -1,0 +1,133 @@
+"""Values with units, as people write them, turned into SI floats at the door.
+
+A bare number is SI. "2.5 m", "12 kN", "30 deg", "5 mm", "3 %" are converted by pint, which is imported only when a unit
+is met. Text is matched against a narrow pattern first, so nothing that is not a number and a plain product of units
+reaches the unit library.
+"""
+
+import math
+import re
+from functools import cache
+from typing import Any
+
+from cablesim.errors import InputError
+
+NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?"
+_UNIT_NAME = r"[A-Za-zµμ°%]{1,20}"
+_POWER = r"(?:\s?(?:\^|\*\*)?-?\d)?"
+UNIT = rf"{_UNIT_NAME}{_POWER}(?:(?:\s?[*/·]\s?|\s){_UNIT_NAME}{_POWER}){{0,5}}"
+_VALUE = re.compile(rf"\s*({NUMBER})\s*({UNIT})?\s*")
+
+
+def to_si(value: Any, unit: str) -> float:
+    """A number, or text such as "12 kN", as a finite float in the SI `unit` of its quantity.
+
+    Raises InputError where the text is no value, the unit is unknown or of another dimension, or the value not finite.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise InputError(f"{value!r} is not a number or a number with a unit")
+    if isinstance(value, str):
+        match = _VALUE.fullmatch(value) if len(value) <= 80 else None
+        if match is None:
+            raise InputError(f"{value[:80]!r} is not a number or a number with a unit{_expected(unit)}")
+        number = float(match[1]) * (factor(match[2], unit) if match[2] else 1.0)
+    else:
+        number = float(value) if abs(value) < 1e300 else math.inf
+    if not math.isfinite(number):
+        raise InputError(f"{value!r} is not a finite number{_expected(unit)}")
+    return number
+
+
+@cache
+def factor(given: str, unit: str) -> float:
+    """What a value in the unit `given` is multiplied with to be in `unit`.
+
+    Raises InputError for an unknown unit or one of another dimension.
+    """
+    import pint
+
+    try:
+        return float(_unit(given).to(_unit(unit).units).magnitude)
+    except pint.errors.DimensionalityError:
+        raise InputError(f"the unit '{given}' is of another dimension{_expected(unit)}") from None
+    except (pint.errors.PintError, InputError):
+        raise InputError(f"unknown unit '{given}'{_expected(unit)}") from None
+
+
+def base_unit(unit: str) -> str:
+    """The SI base unit of a unit: "kN" -> "kg m s-2". Raises InputError for an unknown one."""
+    return _cf(_unit(unit).to_base_units().units)
+
+
+def compatible(first: str, second: str) -> bool:
+    """Whether two units measure the same dimension."""
+    return _unit(first).is_compatible_with(_unit(second))
+
+
+def product(first: str, second: str, power_of_second: float) -> str:
+    """The unit of first * second**power; "any" (a bare number) has no say."""
+    if "any" in (first, second):
+        return "any"
+    return _cf((_unit(first) * _unit(second) ** power_of_second).units)
+
+
+def power(unit: str, exponent: float) -> str:
+    """The unit of a power; "any" stays "any"."""
+    return "any" if unit == "any" else _cf((_unit(unit) ** exponent).units)
+
+
+def _cf(unit: Any) -> str:
+    return f"{unit:~C}" or "1"
+
+
+def _expected(unit: str) -> str:
+    return ": a plain number is expected" if unit == "1" else f": a value in {unit} is expected"
+
+
+@cache
+def _unit(unit: str) -> Any:
+    """One of the unit, as pint has it."""
+    import pint
+
+    try:
+        return _registry().Quantity(1.0, _registry().parse_units(_pint_spelling(unit)))
+    except (pint.errors.PintError, AttributeError, ValueError, TypeError, KeyError):
+        raise InputError(f"unknown unit '{unit}'") from None
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def _pint_spelling(unit: str) -> str:
+    """CF and everyday spellings ("N m-1", "kg/m^3", "%") as pint reads them."""
+    if unit == "1":
+        return "dimensionless"
+    spaced = unit.replace("%", "percent").replace("°", "degree").replace("·", "*")
+    spaced = re.sub(r"(?<=[A-Za-zµμ])\s?(?:\^|\*\*)?(-?\d(?:\.\d+)?)", r"**\1", spaced)
+    return re.sub(r"(?<=[\w)])\s+(?=[A-Za-zµμ])", "*", spaced)
+
+
+def readable_seconds(seconds: float) -> str:
+    """A duration as a person says it."""
+    if seconds < 1.0:
+        return "1 s"
+    return (
+        f"{seconds:.0f} s"
+        if seconds < 120.0
+        else f"{seconds / 60.0:.0f} min"
+        if seconds < 7200.0
+        else f"{seconds / 3600.0:.1f} h"
+    )
+
+
+def readable_bytes(size: float) -> str:
+    """A size on disk as a person says it."""
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if size < 1000.0:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"

@@ -1,0 +1,95 @@
+"""What the Snakefile needs to know of a study: for each scene its shards, its files and the names of its stamps."""
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from cablesim.config.scene import Scene
+from cablesim.files import ledger
+from cablesim.plan import ScenePlan
+from cablesim.solver import PACKAGE
+from cablesim.steps import sample
+from cablesim.study import Layout, read_study
+
+# The sources that decide what a step writes: editing them makes its files out of date.
+STEP_SOURCES = {
+    "collect": ("database/collect.py", "database/shard_file.py", "quantities.py"),
+    "summarise": ("report/tables.py", "report/audit.py", "expressions.py", "database/reading.py"),
+    "figures": ("report/figures.py", "report/audit.py", "expressions.py", "database/reading.py"),
+}
+
+
+@dataclass(frozen=True)
+class PlannedScene:
+    """A scene, its plan, and the paths that the rules write out."""
+
+    scene: Scene
+    layout: Layout
+    shard_plan: ScenePlan
+
+    @property
+    def name(self) -> str:
+        return self.scene.name
+
+    @property
+    def path(self) -> str:
+        return str(self.scene.path)
+
+    @property
+    def plan(self) -> str:
+        return str(self.layout.plan(self.shard_plan))
+
+    @property
+    def dataset(self) -> str:
+        return str(self.layout.dataset(self.name))
+
+    @property
+    def shards(self) -> list[str]:
+        """Every shard with its ledger."""
+        paths = [self.layout.shards(self.name) / f"{digest}.nc" for digest in self.shard_plan.recipes]
+        return [str(path) for shard in paths for path in (shard, ledger(shard))]
+
+    def method_of(self, shard: str) -> str:
+        return self.shard_plan.method_of(shard)
+
+    def stamp(self, step: str) -> str:
+        """The stamp of a step, named by the plan and by the sources of the steps that lead to it."""
+        steps = ("collect",) if step == "collect" else ("collect", step)
+        digest = hashlib.sha256(self.shard_plan.digest.encode())
+        for source in (source for name in steps for source in STEP_SOURCES[name]):
+            digest.update((PACKAGE / source).read_bytes())
+        return str(self.layout.stamp(self.name, step, digest.hexdigest()[:16]))
+
+
+@dataclass(frozen=True)
+class PlannedStudy:
+    """A study with all its scenes planned."""
+
+    results: str
+    scenes: tuple[PlannedScene, ...]
+
+    def scene(self, name: str) -> PlannedScene:
+        return next(scene for scene in self.scenes if scene.name == name)
+
+
+def plan_study(config: Path | str) -> PlannedStudy:
+    """Read a study and sample its designs. Raises InputError for anything wrong in its files."""
+    study = read_study(Path(config))
+    layout = Layout(Path("results") / study.name)
+    scenes = tuple(PlannedScene(scene, layout, sample(scene, layout)) for scene in study.scenes)
+    for scene in scenes:
+        _forget_lost_files(scene)
+    return PlannedStudy(str(layout.root), scenes)
+
+
+def _forget_lost_files(scene: PlannedScene) -> None:
+    """A stamp vouches for files; where they are gone, it goes too, so that they are made again."""
+    layout, name = scene.layout, scene.name
+    found = {
+        "collect": [layout.dataset(name)],
+        "summarise": [layout.tables / f"{name}_status.csv"],
+        "figures": [layout.figures / f"{name}_{figure.name}.svg" for figure in scene.scene.figures],
+    }
+    for step, paths in found.items():
+        if not all(path.is_file() for path in paths):
+            Path(scene.stamp(step)).unlink(missing_ok=True)

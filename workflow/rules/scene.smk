@@ -1,0 +1,49 @@
+# From shards to dataset, tables and figures: one rule of each kind for each scene, with all its paths written out.
+
+for scene in study.scenes:
+
+    rule:
+        name:
+            f"collect_{scene.name}"
+        input:
+            scene.shards,
+        output:
+            dataset=scene.dataset,
+            stamp=scene.stamp("collect"),
+        params:
+            scene=scene.path,
+            results=study.results,
+        log:
+            f"{study.results}/logs/collect/{scene.name}.log",
+        shell:
+            "python -m cablesim step collect {params.scene:q} {params.results:q} --stamp {output.stamp:q} 2> {log:q}"
+
+    rule:
+        name:
+            f"summarise_{scene.name}"
+        input:
+            scene.stamp("collect"),
+        output:
+            scene.stamp("summarise"),
+        params:
+            scene=scene.path,
+            results=study.results,
+        log:
+            f"{study.results}/logs/summarise/{scene.name}.log",
+        shell:
+            "python -m cablesim step summarise {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"
+
+    rule:
+        name:
+            f"figures_{scene.name}"
+        input:
+            scene.stamp("collect"),
+        output:
+            scene.stamp("figures"),
+        params:
+            scene=scene.path,
+            results=study.results,
+        log:
+            f"{study.results}/logs/figures/{scene.name}.log",
+        shell:
+            "python -m cablesim step figures {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"
