@@ -18,9 +18,13 @@ wildcard_constraints:
 
 
 rule all:
-    input:
-        [scene.stamp(step) for scene in study.scenes for step in ("summarise", "figures")],
     default_target: True
+    input:
+        [
+            scene.stamp(step)
+            for scene in study.scenes
+            for step in ("summarise", "figures")
+        ],
 
 
 include: "workflow/rules/solve.smk"

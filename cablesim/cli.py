@@ -137,20 +137,20 @@ def query(
     results: Path, scene: str, condition: str | None, columns: str | None, form: str, output: Path | None
 ) -> None:
     """Scenarios of a SCENE for which a CONDITION holds: cablesim query results/default inclined_spans 'sag > 20 m'."""
-    from cablesim.database.query import FORMATS, query, render
+    from cablesim.database import query as queries
     from cablesim.database.reading import open_scene
     from cablesim.errors import nearest
     from cablesim.files import written_whole
 
-    if form not in FORMATS:
-        raise InputError(f"unknown format '{form}': {nearest(form, FORMATS)}")
+    if form not in queries.FORMATS:
+        raise InputError(f"unknown format '{form}': {nearest(form, queries.FORMATS)}")
     if form in ("parquet", "netcdf") and output is None and sys.stdout.isatty():
         raise InputError(f"{form} is not for a terminal: name a file with --output, or redirect standard output")
     dataset = open_scene(results, scene)
-    found = query(dataset, condition, _names(columns))
-    rendered = render(found, form)
+    found = queries.query(dataset, condition, _names(columns))
+    rendered = queries.render(found, form)
     if output is None:
-        click.get_binary_stream("stdout").write(rendered)
+        sys.stdout.buffer.write(rendered)
     else:
         with written_whole(output) as temporary:
             temporary.write_bytes(rendered)
@@ -164,9 +164,9 @@ def query(
 @click.option("--tolerance", default=0.0, help="Relative change up to which values count as the same.")
 def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
     """What changed between two runs of a study. Measured times do not count. Exit code 0: the same, 1: they differ."""
-    from cablesim.database.compare import compare
+    from cablesim.database import compare as comparison
 
-    table = compare(results_a, results_b, tolerance)
+    table = comparison.compare(results_a, results_b, tolerance)
     differs = bool(table["differs"].any())
     click.echo(table.drop(columns="differs").to_markdown(index=False, floatfmt=".3g"))
     click.echo("they differ" if differs else "the same")
@@ -215,8 +215,7 @@ def _scene_step(name: str, help_text: str) -> None:
         from cablesim.config.scene import read_scene
         from cablesim.study import Layout
 
-        run_step = {"collect": steps.collect_step, "summarise": steps.summarise, "figures": steps.figures}[name]
-        run_step(read_scene(scene), Layout(results))
+        steps.SCENE_STEPS[name](read_scene(scene), Layout(results))
         if stamp is not None:
             steps.stamp(stamp)
 

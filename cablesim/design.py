@@ -32,7 +32,7 @@ class Axis:
 
     @property
     def key(self) -> np.ndarray:
-        """One comparable value for each point: the bytes of its parameters, so that equal means equal to the last bit."""
+        """One comparable value for each point, the bytes of its parameters: equal means equal to the last bit."""
         rows = np.column_stack([self.columns[name] for name in sorted(self.columns)]) + 0.0
         return np.ascontiguousarray(rows).view(np.dtype((np.void, rows.shape[1] * 8))).ravel()
 

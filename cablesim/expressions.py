@@ -14,12 +14,15 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cablesim import units
 from cablesim.errors import InputError, nearest
+
+if TYPE_CHECKING:
+    from lark import Lark, Token, Tree
 
 GRAMMAR = r"""
 ?start: either
@@ -61,17 +64,20 @@ CONDITIONS = ("either", "both", "negated", "comparison")
 _TWO_ARGUMENTS = ("min", "max")
 _COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 EQUAL_WITHIN = 1e-9
+BARE = units.BARE
+WORDS = "words"
 
 
 @dataclass(frozen=True)
 class Term:
-    """What a name stands for: an array (numpy or xarray) and its unit; unit None marks words (labels).
+    """What a name stands for: an array (numpy or xarray) and its unit.
 
-    `words` are the labels that may stand beside it, where they are known.
+    The unit is BARE for a number that fits any dimension, and WORDS for labels; `words` are then the labels that may
+    stand beside it, where they are known.
     """
 
     values: Any
-    unit: str | None
+    unit: str
     words: tuple[str, ...] = ()
 
 
@@ -137,34 +143,34 @@ class _Evaluation:
         self.text, self.lookup = expression.text, lookup
         self.checking = any(_split(token)[1] for token in _values(expression.tree))
 
-    def visit(self, tree) -> Term:
+    def visit(self, tree: "Tree") -> Term:
         return getattr(self, f"_{tree.data}")(*tree.children)
 
-    def number(self, tree) -> Term:
+    def number(self, tree: "Tree") -> Term:
         term = self.visit(tree)
-        if term.unit is None:
+        if term.unit == WORDS:
             if tree.data == "name" and isinstance(term.values, str):
                 raise UnknownName(term.values)
             raise InputError(f"'{self.text}': a word cannot be used as a number")
         return term
 
-    def _value(self, token) -> Term:
+    def _value(self, token: "Token") -> Term:
         number, unit = _split(token)
         if not unit:
-            return Term(float(number), "any")
+            return Term(float(number), BARE)
         if unit in ("%", "percent"):
             return Term(float(number) * units.factor(unit, "1"), "1")
         base = units.base_unit(unit)
         return Term(float(number) * units.factor(unit, base), base)
 
-    def _name(self, token) -> Term:
+    def _name(self, token: "Token") -> Term:
         term = self.lookup(str(token))
-        return term if term is not None else Term(str(token), None)
+        return term if term is not None else Term(str(token), WORDS)
 
-    def _word(self, token) -> Term:
-        return Term(str(token)[1:-1], None)
+    def _word(self, token: "Token") -> Term:
+        return Term(str(token)[1:-1], WORDS)
 
-    def _call(self, function, *arguments) -> Term:
+    def _call(self, function: "Token", *arguments: "Tree") -> Term:
         name = str(function)
         if name not in FUNCTIONS:
             raise InputError(f"'{self.text}': unknown function '{name}': {nearest(name, FUNCTIONS)}")
@@ -172,46 +178,44 @@ class _Evaluation:
         if len(arguments) != wanted:
             raise InputError(f"'{self.text}': {name} takes {wanted} argument{'s' * (wanted > 1)}, not {len(arguments)}")
         terms = [self.number(argument) for argument in arguments]
-        unit = terms[0].unit if name in ("abs", "min", "max") else "any"
+        unit = terms[0].unit if name in ("abs", "min", "max") else BARE
         if name == "sqrt" and self.checking:
             unit = units.power(terms[0].unit, 0.5)
         return Term(FUNCTIONS[name](*(term.values for term in terms)), unit)
 
-    def _power(self, base, exponent) -> Term:
-        base, exponent = self.number(base), self.number(exponent)
-        plain = isinstance(exponent.values, float)
-        unit = units.power(base.unit, exponent.values) if self.checking and plain else "any"
-        return Term(np.power(base.values, exponent.values), unit)
+    def _power(self, base: "Tree", exponent: "Tree") -> Term:
+        a, n = self.number(base), self.number(exponent)
+        plain = isinstance(n.values, float)
+        unit = units.power(a.unit, n.values) if self.checking and plain else BARE
+        return Term(np.power(a.values, n.values), unit)
 
-    def _signed(self, sign, operand) -> Term:
+    def _signed(self, sign: "Token", operand: "Tree") -> Term:
         term = self.number(operand)
         return Term(-term.values if sign == "-" else term.values, term.unit)
 
-    def _product(self, left, sign, right) -> Term:
-        left, right = self.number(left), self.number(right)
-        unit = units.product(left.unit, right.unit, -1 if sign == "/" else 1) if self.checking else "any"
-        divide = operator.truediv if sign == "/" else operator.mul
-        return Term(divide(_array(left.values), _array(right.values)), unit)
+    def _product(self, left: "Tree", sign: "Token", right: "Tree") -> Term:
+        a, b = self.number(left), self.number(right)
+        unit = units.product(a.unit, b.unit, -1 if sign == "/" else 1) if self.checking else BARE
+        return Term(np.divide(a.values, b.values) if sign == "/" else a.values * b.values, unit)
 
-    def _sum(self, left, sign, right) -> Term:
-        left, right = self.number(left), self.number(right)
-        combine = operator.sub if sign == "-" else operator.add
-        return Term(combine(left.values, right.values), self._same_unit(left, right))
+    def _sum(self, left: "Tree", sign: "Token", right: "Tree") -> Term:
+        a, b = self.number(left), self.number(right)
+        return Term(a.values - b.values if sign == "-" else a.values + b.values, self._same_unit(a, b))
 
-    def _comparison(self, left, sign, right) -> Term:
-        left, right = self.visit(left), self.visit(right)
-        if left.unit is None or right.unit is None:
-            return self._compare_words(left, str(sign), right)
-        self._same_unit(left, right)
+    def _comparison(self, left: "Tree", sign: "Token", right: "Tree") -> Term:
+        a, b = self.visit(left), self.visit(right)
+        if WORDS in (a.unit, b.unit):
+            return self._compare_words(a, str(sign), b)
+        self._same_unit(a, b)
         if sign in _COMPARISONS:
-            return Term(_COMPARISONS[sign](left.values, right.values), "any")
-        scale = np.maximum(np.abs(left.values), np.abs(right.values))
-        equal = np.abs(left.values - right.values) <= EQUAL_WITHIN * scale
-        return Term(equal if sign == "==" else ~equal, "any")
+            return Term(_COMPARISONS[sign](a.values, b.values), BARE)
+        scale = np.maximum(np.abs(a.values), np.abs(b.values))
+        equal = np.abs(a.values - b.values) <= EQUAL_WITHIN * scale
+        return Term(equal if sign == "==" else np.logical_not(equal), BARE)
 
-    def _compare_words(self, left: Term, sign: str, right: Term) -> Term:
-        labels, word = (left, right) if isinstance(right.values, str) else (right, left)
-        if isinstance(word.values, str) and labels.unit is not None:
+    def _compare_words(self, a: Term, sign: str, b: Term) -> Term:
+        labels, word = (a, b) if isinstance(b.values, str) else (b, a)
+        if isinstance(word.values, str) and labels.unit != WORDS:
             raise UnknownName(word.values)
         if isinstance(labels.values, str):
             raise UnknownName(labels.values)
@@ -222,26 +226,26 @@ class _Evaluation:
         if labels.words and word.values not in labels.words:
             raise InputError(f"'{self.text}': unknown word '{word.values}': {nearest(word.values, labels.words)}")
         equal = labels.values == word.values
-        return Term(equal if sign == "==" else ~equal, "any")
+        return Term(equal if sign == "==" else np.logical_not(equal), BARE)
 
-    def _either(self, left, right) -> Term:
-        return Term(self._truth(left) | self._truth(right), "any")
+    def _either(self, left: "Tree", right: "Tree") -> Term:
+        return Term(self._truth(left) | self._truth(right), BARE)
 
-    def _both(self, left, right) -> Term:
-        return Term(self._truth(left) & self._truth(right), "any")
+    def _both(self, left: "Tree", right: "Tree") -> Term:
+        return Term(self._truth(left) & self._truth(right), BARE)
 
-    def _negated(self, operand) -> Term:
-        return Term(~self._truth(operand), "any")
+    def _negated(self, operand: "Tree") -> Term:
+        return Term(np.logical_not(self._truth(operand)), BARE)
 
-    def _truth(self, tree) -> Any:
+    def _truth(self, tree: "Tree") -> Any:
         if tree.data not in CONDITIONS:
             raise InputError(f"'{self.text}': 'and', 'or' and 'not' join conditions, not values")
         return self.visit(tree).values
 
-    def _same_unit(self, left: Term, right: Term) -> str | None:
-        if left.unit == "any":
+    def _same_unit(self, left: Term, right: Term) -> str:
+        if left.unit == BARE:
             return right.unit
-        if self.checking and right.unit != "any" and not units.compatible(left.unit, right.unit):
+        if self.checking and right.unit != BARE and not units.compatible(left.unit, right.unit):
             raise InputError(
                 f"'{self.text}': a value in {left.unit} cannot be compared with or added to one in {right.unit}"
             )
@@ -257,24 +261,30 @@ class UnknownName(InputError):
 
 
 @cache
-def _parser():
+def _parser() -> "Lark":
     from lark import Lark
 
     grammar = GRAMMAR.replace("@NUMBER@", _NUMBER).replace("@UNIT@", _UNIT)
     return Lark(grammar, parser="lalr", maybe_placeholders=False)
 
 
-def _values(tree) -> Iterator[Any]:
-    return (subtree.children[0] for subtree in tree.iter_subtrees() if subtree.data == "value")
+def _values(tree: "Tree") -> Iterator["Token"]:
+    return (
+        token
+        for subtree in tree.iter_subtrees()
+        if subtree.data == "value"
+        for token in subtree.scan_values(lambda _: True)
+    )
 
 
-def _split(token) -> tuple[str, str]:
+def _split(token: "Token") -> tuple[str, str]:
     """The number and the unit of a value token."""
-    match = re.fullmatch(rf"({_NUMBER})\s?(.*)", str(token))
-    return match[1], match[2]
+    number = re.match(_NUMBER, str(token))
+    end = number.end() if number else 0
+    return str(token)[:end], str(token)[end:].strip()
 
 
-def _depth(tree) -> int:
+def _depth(tree: "Tree") -> int:
     """Nesting depth, without recursion: hostile text must not overflow the stack."""
     deepest, todo = 0, [(tree, 1)]
     while todo:
@@ -282,11 +292,6 @@ def _depth(tree) -> int:
         deepest = max(deepest, depth)
         todo.extend((child, depth + 1) for child in node.children if hasattr(child, "children"))
     return deepest
-
-
-def _array(values: Any) -> Any:
-    """Floats that divide by zero give infinity, as arrays do, not an exception."""
-    return np.float64(values) if isinstance(values, float) else values
 
 
 def _short(text: str) -> str:

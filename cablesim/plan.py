@@ -1,5 +1,6 @@
-"""The plan of a scene: which shards to compute and where each goes. Written once for each content of the scene, and read
-by every later step, so that all of them speak of the same shards.
+"""The plan of a scene: which shards to compute and where each goes.
+
+Written once for each content of the scene and read by every later step, so that all of them speak of the same shards.
 
 A plan is an .npz file: a JSON head, and the points of every axis and placement as arrays.
 """

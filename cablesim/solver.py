@@ -234,7 +234,6 @@ class Solver:
                 raise InputError(f"{self.name} has no output '{name}': {nearest(name, self.outputs)}")
 
 
-@cache
 def specs(parameters: type) -> tuple[ParameterSpec, ...]:
     """The parameters that a class declares."""
     return tuple(ParameterSpec(name=f.name, **f.metadata) for f in dataclasses.fields(parameters))
@@ -276,12 +275,22 @@ def summary(name: str) -> str:
 def source_digest(name: str) -> str:
     """Digest of everything that decides a solver's numbers: its module and what it imports of physics and numerics.
 
-    Results are named by it, so editing a solver reruns what it solved and nothing else.
+    Results are named by it, so editing a solver reruns what it solved and nothing else. Only code counts: a comment, a
+    docstring or the layout of the source changes no number.
     """
     digest = hashlib.sha256()
     for path in sorted(_sources(FOLDER / f"{name}.py")):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+        digest.update(f"{path.relative_to(PACKAGE).as_posix()}\0{_code(path)}\0".encode())
     return digest.hexdigest()[:16]
+
+
+def _code(path: Path) -> str:
+    """A module without its docstrings, as a syntax tree in words."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
+            node.body = node.body[1:]
+    return ast.dump(tree)
 
 
 def _sources(start: Path) -> set[Path]:
@@ -293,11 +302,15 @@ def _sources(start: Path) -> set[Path]:
         if path in found:
             continue
         found.add(path)
-        for module in _imported(path):
-            for candidate in (PACKAGE / f"{module}.py", PACKAGE / module / "__init__.py"):
-                if candidate.exists() and candidate.relative_to(PACKAGE).parts[0] in ("physics", "numerics", "solvers"):
-                    todo.append(candidate)
+        todo += [file for module in _imported(path) for file in _files(module) if file.exists()]
     return found
+
+
+def _files(module: str) -> list[Path]:
+    """Where a module of `physics`, `numerics` or `solvers` may lie; nothing for any other."""
+    if module.split("/")[0] not in ("physics", "numerics", "solvers"):
+        return []
+    return [PACKAGE / f"{module}.py", PACKAGE / module / "__init__.py"]
 
 
 def _imported(path: Path) -> set[str]:

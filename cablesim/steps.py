@@ -31,15 +31,15 @@ def solve(plan_path: Path, shard: str, out: Path) -> None:
     write_shard(out, recipes[shard], solve_recipe(recipes[shard]))
 
 
-def collect(scene: Scene, plan: ScenePlan, layout: Layout) -> None:
+def collect(scene: Scene, layout: Layout) -> None:
     """Join the shards of a scene into its dataset."""
     from cablesim.database.collect import collect, write_dataset
 
-    dataset, measured = collect(scene, plan, layout.shards(scene.name), revision())
+    dataset, measured = collect(scene, sample(scene, layout), layout.shards(scene.name), revision())
     write_dataset(layout.dataset(scene.name), dataset, measured)
 
 
-def summarise(scene: Scene, layout: Layout) -> list[Path]:
+def summarise(scene: Scene, layout: Layout) -> None:
     """Write the tables of a scene."""
     from cablesim.database.reading import read_dataset
     from cablesim.report import tables
@@ -55,16 +55,23 @@ def summarise(scene: Scene, layout: Layout) -> list[Path]:
         ),
         "audit": (audit_table(scene, dataset), f"{scene.title}: printed values beside ours"),
     }
-    written = (tables.write_table(layout.tables, f"{scene.name}_{name}", *table) for name, table in made.items())
-    return [path for paths in written for path in paths]
+    for name, (table, caption) in made.items():
+        tables.write_table(layout.tables, f"{scene.name}_{name}", table, caption)
 
 
-def figures(scene: Scene, layout: Layout) -> list[Path]:
+def figures(scene: Scene, layout: Layout) -> None:
     """Draw the figures of a scene, as SVG and PNG."""
     from cablesim.database.reading import read_dataset
     from cablesim.report.figures import draw_figures
 
-    return draw_figures(scene, read_dataset(layout.dataset(scene.name)), layout.figures)
+    draw_figures(scene, read_dataset(layout.dataset(scene.name)), layout.figures)
+
+
+SCENE_STEPS: dict[str, Callable[[Scene, Layout], None]] = {
+    "collect": collect,
+    "summarise": summarise,
+    "figures": figures,
+}
 
 
 def run_scene(scene: Scene, layout: Layout, progress: Progress) -> ScenePlan:
@@ -76,15 +83,10 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> ScenePlan:
         out = folder / f"{shard}.nc"
         if not (out.exists() and ledger(out).exists()):
             solve(layout.plan(plan), shard, out)
-    for done, step in enumerate((collect_step, summarise, figures)):
-        progress(step.__name__.removesuffix("_step"), done, 3)
+    for done, (name, step) in enumerate(SCENE_STEPS.items()):
+        progress(name, done, len(SCENE_STEPS))
         step(scene, layout)
     return plan
-
-
-def collect_step(scene: Scene, layout: Layout) -> None:
-    """Collect with the plan that is on disk."""
-    collect(scene, sample(scene, layout), layout)
 
 
 def stamp(path: Path) -> None:

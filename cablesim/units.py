@@ -12,6 +12,8 @@ from typing import Any
 
 from cablesim.errors import InputError
 
+# The unit of a number written without one, which fits any dimension.
+BARE = "any"
 NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?"
 _UNIT_NAME = r"[A-Za-zµμ°%]{1,20}"
 _POWER = r"(?:\s?(?:\^|\*\*)?-?\d)?"
@@ -65,15 +67,15 @@ def compatible(first: str, second: str) -> bool:
 
 
 def product(first: str, second: str, power_of_second: float) -> str:
-    """The unit of first * second**power; "any" (a bare number) has no say."""
-    if "any" in (first, second):
-        return "any"
+    """The unit of first * second**power; a bare number has no say."""
+    if BARE in (first, second):
+        return BARE
     return _cf((_unit(first) * _unit(second) ** power_of_second).units)
 
 
 def power(unit: str, exponent: float) -> str:
-    """The unit of a power; "any" stays "any"."""
-    return "any" if unit == "any" else _cf((_unit(unit) ** exponent).units)
+    """The unit of a power; a bare number stays one."""
+    return BARE if unit == BARE else _cf((_unit(unit) ** exponent).units)
 
 
 def _cf(unit: Any) -> str:

@@ -1,6 +1,7 @@
 """What the Snakefile needs to know of a study: for each scene its shards, its files and the names of its stamps."""
 
 import hashlib
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -67,6 +68,7 @@ class PlannedStudy:
 
     results: str
     scenes: tuple[PlannedScene, ...]
+    python: str = sys.executable
 
     def scene(self, name: str) -> PlannedScene:
         return next(scene for scene in self.scenes if scene.name == name)

@@ -119,7 +119,7 @@ def _read_case_table(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], t
 
 
 def _table_axis(columns: Node | None, node: Node, table: Table, parameters: Specs) -> Axis:
-    formulas = {name: entry for name, entry in columns.mapping(optional=None).items()} if columns else {}
+    formulas = columns.mapping(optional=None) if columns else {}
     names = list(formulas) or list(table.columns)
     values = {}
     for name in names:
@@ -191,11 +191,9 @@ def _read_sample(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple
         keys["ranges"].fail("at least one parameter is needed")
     engines: dict[str, Any] = {"sobol": qmc.Sobol, "latin_hypercube": qmc.LatinHypercube}
     engine = engines[method](len(ranges), rng=np.random.default_rng(seed))
-    if method == "sobol":
-        # The sequence is balanced in powers of two; its first `num` points are taken.
-        points = engine.random_base2(max(0, math.ceil(math.log2(num))))[:num]
-    else:
-        points = engine.random(num)
+    # Sobol's sequence is balanced in powers of two; its first `num` points are taken.
+    drawn = 2 ** math.ceil(math.log2(num)) if method == "sobol" else num
+    points = engine.random(drawn)[:num]
     columns = {}
     for (name, entry), unit_values in zip(ranges.items(), points.T, strict=True):
         spec = _spec(entry, name, parameters)

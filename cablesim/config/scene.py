@@ -55,6 +55,11 @@ class Reference:
     table: Table | None = None
     columns: dict[str, str] = field(default_factory=dict)
 
+    @property
+    def name(self) -> str:
+        """The method, or the file of the table."""
+        return self.method or (self.table.path.name if self.table else "none")
+
 
 @dataclass(frozen=True)
 class Figure:

@@ -12,7 +12,7 @@ import numpy as np
 from cablesim import units
 from cablesim.config.document import Node, read_text
 from cablesim.errors import InputError, nearest
-from cablesim.expressions import Term, UnknownName, parse
+from cablesim.expressions import BARE, Term, UnknownName, parse
 
 LARGEST_TABLE = 200_000_000
 _HEAD = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*(?:\[([^\]]{1,40})\])?\s*")
@@ -65,7 +65,7 @@ class Table:
 
     def _term(self, name: str) -> Term:
         unit = self.units.get(name)
-        return Term(self.numbers(name), units.base_unit(unit) if unit else "any")
+        return Term(self.numbers(name), units.base_unit(unit) if unit else BARE)
 
     def _number(self, column: str, row: int, cell: str) -> float:
         if not cell.strip():

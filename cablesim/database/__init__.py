@@ -1,0 +1,1 @@
+"""Shards, datasets, queries and comparisons: files know datasets, not physics."""

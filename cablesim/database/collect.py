@@ -195,7 +195,7 @@ def _provenance(scene: Scene, revision: str) -> dict[str, Any]:
         "scene_digest": scene.digest,
         "design": scene.design.kind,
         "methods": json.dumps(methods, sort_keys=True),
-        "reference": scene.reference.method or str(scene.reference.table.path.name) if scene.reference else "none",
+        "reference": scene.reference.name if scene.reference else "none",
     }
     if scene.question:
         attributes["comment"] = scene.question

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,7 +11,7 @@ from cablesim.config.document import is_name
 from cablesim.config.table import Table
 from cablesim.database.collect import MEASURED
 from cablesim.errors import EnvironmentFault, InputError, nearest
-from cablesim.expressions import Expression, Lookup, Term, UnknownName, parse
+from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse
 
 
 def scene_paths(results: Path) -> dict[str, Path]:
@@ -44,7 +45,7 @@ def read_dataset(path: Path) -> xr.Dataset:
 
 
 def of_method(values: xr.DataArray, method: str) -> xr.DataArray:
-    """One method's values. Spelled with a dict, because `sel(method=...)` is how xarray spells nearest-neighbour look-up."""
+    """One method's values. Given as a dict, because `sel(method=...)` means nearest-neighbour look-up to xarray."""
     return values.sel({"method": str(method)}, drop=True)
 
 
@@ -64,7 +65,7 @@ def scene_lookup(dataset: xr.Dataset, table: Table | None = None) -> Lookup:
     def lookup(name: str) -> Term | None:
         head, _, tail = name.rpartition(".")
         if head == "table" and table is not None:
-            return Term(xr.DataArray(table.numbers(tail)[dataset.row.values], dims="scenario"), "any")
+            return Term(xr.DataArray(table.numbers(tail)[dataset.row.values], dims="scenario"), BARE)
         if head:
             return _of_method(dataset, head, tail, words)
         if name not in dataset.variables:
@@ -76,8 +77,7 @@ def scene_lookup(dataset: xr.Dataset, table: Table | None = None) -> Lookup:
 
 def evaluate(dataset: xr.Dataset, formula: str, table: Table | None = None) -> xr.DataArray:
     """The value of a formula over a scene. Raises InputError, with the nearest names, for an unknown one."""
-    value = _explained(dataset, parse(formula), Expression.evaluate, table)
-    return value if isinstance(value, xr.DataArray) else xr.DataArray(value)
+    return _explained(dataset, parse(formula), Expression.evaluate, table)
 
 
 def select(dataset: xr.Dataset, condition: str) -> xr.DataArray:
@@ -85,9 +85,11 @@ def select(dataset: xr.Dataset, condition: str) -> xr.DataArray:
     return _explained(dataset, parse(condition), Expression.select, None)
 
 
-def _explained(dataset: xr.Dataset, expression: Expression, evaluate: Callable, table: Table | None):
+def _explained(
+    dataset: xr.Dataset, expression: Expression, answer: Callable[[Expression, Lookup], Any], table: Table | None
+) -> xr.DataArray:
     try:
-        return evaluate(expression, scene_lookup(dataset, table))
+        return xr.DataArray(answer(expression, scene_lookup(dataset, table)))
     except UnknownName as unknown:
         names = [str(name) for name in dataset.variables]
         raise InputError(f"unknown name '{unknown.name}': {nearest(unknown.name, names)}") from None
@@ -101,7 +103,7 @@ def _of_method(dataset: xr.Dataset, method: str, name: str, words: tuple[str, ..
 
 def _term(values: xr.DataArray, words: tuple[str, ...]) -> Term:
     if values.name == "status":
-        return Term(xr.DataArray(np.array(words)[values], dims=values.dims, coords=values.coords), None, words)
+        return Term(xr.DataArray(np.array(words)[values], dims=values.dims, coords=values.coords), WORDS, words)
     if values.dtype.kind in "SUOT":
-        return Term(values, None, tuple(str(word) for word in np.unique(values)))
-    return Term(values, values.attrs.get("units", "any"))
+        return Term(values, WORDS, tuple(str(word) for word in np.unique(values)))
+    return Term(values, values.attrs.get("units", BARE))

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -69,7 +70,7 @@ def chunk_sizes(shape: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(reversed(chunks))
 
 
-def _write(file, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
+def _write(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
     settings = {**COMPRESSION, "chunksizes": chunk_sizes(values.shape)} if dims else {}
     variable = file.createVariable(name, values.dtype, dims, fill_value=False, **settings)
     variable[...] = values

@@ -5,7 +5,6 @@ in plain floats returns noise there. These functions carry the rounding errors a
 technique for extending the available precision*, Numer. Math. 18, 224-242).
 """
 
-
 from cablesim.numerics import Array
 
 # Veltkamp's constant for a 53-bit significand: splits a float into two halves of 26 bits.

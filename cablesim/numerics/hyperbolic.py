@@ -5,6 +5,7 @@ used; its truncation error there is below 1e-17 of the sum.
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -71,7 +72,7 @@ def inverse_sinhc_excess(excess: Array) -> tuple[Array, Array]:
     return x, np.abs(step)
 
 
-def _by_size(x: Array, series: tuple[float, ...], direct) -> Array:
+def _by_size(x: Array, series: tuple[float, ...], direct: Callable[[Array], Array]) -> Array:
     """The series where |x| is small, the direct formula elsewhere; each is evaluated only if some x wants it."""
     small = np.abs(x) < SERIES_LIMIT
     if not small.any():

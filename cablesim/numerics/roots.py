@@ -26,8 +26,8 @@ def newton_bracketed(
     """Positive roots of functions that are negative at `low` and positive at `high`.
 
     Newton's step in log x where it stays inside the bracket, the geometric mean of the bracket where it does not:
-    bounded work for any start. Stops after a Newton step of less than `tolerance` relative: the error it leaves is of the order of
-    tolerance**2, so only rounding remains, and no time is spent on chasing that.
+    bounded work for any start. Stops after a Newton step of less than `tolerance` relative: the error it leaves is of
+    the order of tolerance**2, so only rounding remains, and no time is spent on chasing that.
     """
     x, low, high = start.copy(), low.copy(), high.copy()
     converged = np.zeros(x.shape, dtype=bool)

@@ -1,0 +1,1 @@
+"""Formulas of lines; they know no numerical method and no file."""

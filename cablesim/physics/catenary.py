@@ -1,13 +1,14 @@
 """Hanging line between two supports: exact, elastic and approximate shapes (MODELS 1, equations M1-M6).
 
 Notation: span l, rise h = z_B - z_A, unstretched length L, weight per length w, axial stiffness EA; W = w L / 2 is half
-the weight and e = W / EA its strain. Along the line the slope is dz/dx = sinh(u), and u grows from u_A = mu - lambda to
-u_B = mu + lambda. The two equations of the elastic catenary (M6) then read
+the weight and e = W / EA its strain. Along the line the slope is dz/dx = sinh(u), and u grows from u_A = mu - lambda
+to u_B = mu + lambda. The two equations of the elastic catenary (M6) then read
 
     tanh(mu) = (h / L) / (1 + e coth(lambda)),    sech(mu) = (l / L) sinh(lambda) / (lambda + e),    (C1)
 
-and H = W (l / L) / (lambda + e). With e = 0 this is the inextensible catenary: sinh(lambda) / lambda = sqrt(L^2 - h^2) / l
-(M2). Everything below is written so that nothing cancels, from lines 1e-12 longer than their chord to 1e6 spans.
+and H = W (l / L) / (lambda + e). With e = 0 this is the inextensible catenary (M2): sinh(lambda) / lambda = k with
+k = sqrt(L^2 - h^2) / l. Everything below is written so that nothing cancels, from lines 1e-12 longer than their chord
+to 1e6 spans.
 """
 
 from dataclasses import dataclass
@@ -85,7 +86,7 @@ class Catenary(HangingCurve):
 
     @cached_property
     def stretched_length(self) -> Array:
-        """Length under tension: L + (1/EA) * integral of T ds = L + (H^2 / 2 w EA) (2 lambda + sinh 2 lambda cosh 2 mu)."""
+        """L + (1/EA) * integral of T ds = L + (H^2 / 2 w EA) (2 lambda + sinh(2 lambda) cosh(2 mu))."""
         if self._inextensible:
             return self.line_length
         arc = 2.0 * self.half_angle + np.sinh(2.0 * self.half_angle) * np.cosh(2.0 * self.mean_angle)

@@ -1,0 +1,1 @@
+"""What people look at: tables, audits, figures, descriptions and estimates."""

@@ -22,137 +22,110 @@ from cablesim.numerics import Array
 
 AGREES, ROUNDED_KEY, MISPRINT = "agrees", "rounded key", "misprint"
 # Printed numbers are decimal, ours binary: a difference of exactly half a unit must not be decided by that.
-SLACK = 1e-9
+SLACK = 1.0 + 1e-9
 
 
 @dataclass(frozen=True)
 class Reading:
-    """The table's cells as they follow from one key: exact values at the printed key, and their range over its rounding."""
+    """The table as it follows from one key, all of shape (row, column).
+
+    `exact` holds the values at the printed key, `low` and `high` their range over the key's rounding.
+    """
 
     key: str
-    exact: dict[str, Array]
-    low: dict[str, Array]
-    high: dict[str, Array]
+    exact: Array
+    low: Array
+    high: Array
+
+    def explains(self, printed: Array, room: Array) -> np.ndarray:
+        """Which cells follow from the key, give or take the room of a cell."""
+        return (printed >= self.low - room * SLACK) & (printed <= self.high + room * SLACK)
 
 
 def audit_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
-    """One row for each cell of the published table. Raises InputError if the table cannot be matched to the scene."""
+    """One row for each printed cell. Raises InputError if the table cannot be matched to the scene."""
     published = scene.published
     if published is None:
         return pd.DataFrame()
-    readings = _readings(published, dataset) if "key" in dataset.variables else [_plain_reading(published, dataset)]
-    table = published.table
-    printed = {name: table.numbers(name) for name in published.columns}
-    unit = {name: last_digit(table.columns[name]) for name in published.columns}
-    room = {name: np.maximum(unit[name] * published.within, published.printed_to.get(name, 0.0)) for name in printed}
-    explained = [_explained(reading, printed, room) for reading in readings]
-    best = _best_reading(readings, explained, printed, unit, published.within)
-    rows = []
-    for row in range(table.rows):
-        chosen = readings[best[row]]
-        for name in published.columns:
-            if not np.isfinite(printed[name][row]):
-                continue
-            off = (printed[name][row] - readings[0].exact[name][row]) / unit[name][row]
-            flag = _flag(name, row, off, published.within, readings, explained, best)
-            rows.append(
-                {
-                    "row": row + 1,
-                    **{key: table.columns[key][row] for key in (_row_name(published, dataset),)},
-                    "column": name,
-                    "printed": table.columns[name][row],
-                    "exact": readings[0].exact[name][row],
-                    "difference": printed[name][row] - readings[0].exact[name][row],
-                    "units_off": off,
-                    "flag": flag,
-                    "row_argument": chosen.key,
-                    "exact_at_argument": chosen.exact[name][row],
-                }
-            )
+    table, columns = published.table, list(published.columns)
+    printed = np.column_stack([table.numbers(name) for name in columns])
+    unit = np.column_stack([last_digit(table.columns[name]) for name in columns])
+    resolution = np.array([published.printed_to.get(name, 0.0) for name in columns])
+    readings = _readings(published, dataset)
+    agrees = np.abs(printed - readings[0].exact) <= published.within * unit * SLACK
+    room = np.maximum(published.within * unit, resolution)
+    explained = np.stack([agrees, *(reading.explains(printed, room) for reading in readings[1:])])
+    argument = explained.sum(axis=2).argmax(axis=0)
+    follows = explained[argument, np.arange(table.rows)] & (argument > 0)[:, None]
+    flags = np.where(agrees, AGREES, np.where(follows, ROUNDED_KEY, MISPRINT))
+    if readings[0].key in columns:
+        # The first key agrees with itself by definition; it is rounded where the row's real argument contradicts it.
+        flags[(argument > 0) & ~follows[:, columns.index(readings[0].key)], columns.index(readings[0].key)] = (
+            ROUNDED_KEY
+        )
+    cells = [(i, j) for i in range(table.rows) for j in range(len(columns)) if np.isfinite(printed[i, j])]
+    head = next(iter(table.columns))
+    rows = [
+        {
+            "row": i + 1,
+            head: table.columns[head][i],
+            "column": columns[j],
+            "printed": table.columns[columns[j]][i],
+            "exact": readings[0].exact[i, j],
+            "difference": printed[i, j] - readings[0].exact[i, j],
+            "units_off": (printed[i, j] - readings[0].exact[i, j]) / unit[i, j],
+            "flag": flags[i, j],
+            "row_argument": readings[argument[i]].key,
+            "exact_at_argument": readings[argument[i]].exact[i, j],
+        }
+        for i, j in cells
+    ]
     return pd.DataFrame(rows)
 
 
-def _flag(name, row, off, within, readings, explained, best) -> str:
-    if name != readings[0].key and abs(off) <= within + SLACK:
-        return AGREES
-    if name == readings[0].key:
-        return AGREES if best[row] == 0 or explained[best[row]][name][row] else ROUNDED_KEY
-    return (
-        ROUNDED_KEY
-        if best[row] != 0 and (explained[best[row]][name][row] or name == readings[best[row]].key)
-        else MISPRINT
-    )
-
-
-def _best_reading(readings, explained, printed, unit, within) -> Array:
-    """The key of each row: as printed, unless another key explains more of the row's cells."""
-    scores = []
-    for number, reading in enumerate(readings):
-        cells = [
-            explained[number][name]
-            if number
-            else np.abs(printed[name] - reading.exact[name]) <= (within + SLACK) * unit[name]
-            for name in printed
-        ]
-        scores.append(np.sum(cells, axis=0))
-    return np.argmax(scores, axis=0)
-
-
-def _explained(reading: Reading, printed: dict[str, Array], room: dict[str, Array]) -> dict[str, np.ndarray]:
-    """Which cells follow from the key, within the rounding of the key and of the cell."""
-    return {
-        name: (values >= reading.low[name] - room[name] * (1 + SLACK))
-        & (values <= reading.high[name] + room[name] * (1 + SLACK))
-        for name, values in printed.items()
-    }
-
-
 def _readings(published: Published, dataset: xr.Dataset) -> list[Reading]:
-    keys = list(dict.fromkeys(str(key) for key in dataset.key.values))
-    cells = {name: evaluate(dataset, formula, published.table) for name, formula in published.columns.items()}
-    return [_reading(key, cells, dataset) for key in keys]
+    """The table read by each of its keys; by the scene's own axis where it has none."""
+    values = np.column_stack([_cells(published, dataset, formula) for formula in published.columns.values()])
+    if "key" not in dataset.variables:
+        exact = values[_rows_in(published, dataset)]
+        return [Reading(_head(published), exact, exact, exact)]
+    readings = []
+    for key in dict.fromkeys(dataset.key.values.tolist()):
+        parts = {rounding: values[_rows_of(dataset, key, rounding)] for rounding in ROUNDINGS}
+        around = np.stack(list(parts.values()))
+        readings.append(Reading(key, parts["printed"], around.min(axis=0), around.max(axis=0)))
+    return readings
 
 
-def _reading(key: str, cells: dict[str, xr.DataArray], dataset: xr.Dataset) -> Reading:
-    parts = {rounding: _part(cells, dataset, key, rounding) for rounding in ROUNDINGS}
-    names = list(cells)
-    stacked = {name: np.stack([parts[rounding][name] for rounding in ROUNDINGS]) for name in names}
-    low = {name: stacked[name].min(axis=0) for name in names}
-    high = {name: stacked[name].max(axis=0) for name in names}
-    return Reading(key, parts["printed"], low, high)
+def _cells(published: Published, dataset: xr.Dataset, formula: str) -> Array:
+    """A formula for every scenario along the scene's only axis."""
+    value = evaluate(dataset, formula, published.table)
+    value = value.isel(method=0, drop=True) if "method" in value.dims else value
+    if value.ndim != 1:
+        raise InputError(f"'{formula}' must give one value for each row of {published.table.path}")
+    return value.values
 
 
-def _part(cells: dict[str, xr.DataArray], dataset: xr.Dataset, key: str, rounding: str) -> dict[str, Array]:
+def _rows_of(dataset: xr.Dataset, key: str, rounding: str) -> np.ndarray:
+    """The scenarios that read the table by a key, in the order of its rows."""
     chosen = np.flatnonzero((dataset.key.values == key) & (dataset.rounding.values == rounding))
-    order = chosen[np.argsort(dataset.row.values[chosen])]
-    return {name: _over_scenarios(value).values[order] for name, value in cells.items()}
-
-
-def _plain_reading(published: Published, dataset: xr.Dataset) -> Reading:
-    """Rows matched by the printed values of the scene's own axes, or row by row."""
-    where = _rows_in(published, dataset)
-    cells = {name: evaluate(dataset, formula, published.table) for name, formula in published.columns.items()}
-    exact = {name: _over_scenarios(value).values[where] for name, value in cells.items()}
-    return Reading(_row_name(published, dataset), exact, exact, exact)
+    return chosen[np.argsort(dataset.row.values[chosen])]
 
 
 def _rows_in(published: Published, dataset: xr.Dataset) -> np.ndarray:
+    """The scenario of each row: by the row's number, or by the printed value of the scene's axis."""
     if "row" in dataset.variables:
         return np.argsort(dataset.row.values)
-    axis = _row_name(published, dataset)
+    axis = _head(published)
+    if axis not in dataset.dims:
+        raise InputError(f"{published.table.path}: its first column, {axis}, must be an axis of the scene")
     printed, values = published.table.numbers(axis), dataset[axis].values
     where = np.abs(values[:, None] - printed).argmin(axis=0)
     for row in np.flatnonzero(values[where] != printed):
-        raise InputError(
-            f"{published.table.path}: row {row + 1}: {axis} = {printed[row]:g} is not on the axis of the scene"
-        )
+        raise InputError(f"{published.table.path}: row {row + 1}: {axis} = {printed[row]:g} is not on the scene's axis")
     return where
 
 
-def _row_name(published: Published, dataset: xr.Dataset) -> str:
+def _head(published: Published) -> str:
     """The column that names a row: the first one."""
     return next(iter(published.table.columns))
-
-
-def _over_scenarios(value: xr.DataArray) -> xr.DataArray:
-    return value.isel(method=0, drop=True) if "method" in value.dims else value

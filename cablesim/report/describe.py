@@ -2,9 +2,13 @@
 
 import ast
 import inspect
+from typing import TYPE_CHECKING
 
 from cablesim.quantities import quantity
 from cablesim.solver import Solver
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def description(solver: Solver) -> str:
@@ -13,7 +17,7 @@ def description(solver: Solver) -> str:
     return "\n".join([docstring, "", *_parameters(solver), *_options(solver), *_outputs(solver)])
 
 
-def scene_line(name: str, dataset) -> str:
+def scene_line(name: str, dataset: "xr.Dataset") -> str:
     """One line on a scene's dataset: its size and the fate of its scenarios."""
     axes = " x ".join(f"{dim} {dataset.sizes[dim]}" for dim in dataset.status.dims)
     flagged = int((dataset.status != 0).sum())

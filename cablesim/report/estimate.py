@@ -26,9 +26,8 @@ def estimate(scene: Scene) -> str:
         solved = sum(math.prod(p.recipe.shape) for p in plan.placements)
         work = solved * method.solver.seconds_per_scenario
         seconds += work + SECONDS_PER_JOB * len(plan.placements)
-        lines.append(
-            f"  {method.name} ({method.solver.name}): {solved} to solve in {len(plan.placements)} shard(s), about {readable_seconds(work)}"
-        )
+        shards = f"{len(plan.placements)} shard(s), about {readable_seconds(work)}"
+        lines.append(f"  {method.name} ({method.solver.name}): {solved} to solve in {shards}")
     numbers = len(scene.methods) * scene.size * sum(_numbers(name, scene) for name in scene.outputs)
     seconds += 2 * numbers * SECONDS_PER_STORED_NUMBER
     lines.append(

@@ -22,7 +22,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 # Okabe and Ito's palette: distinct for every kind of colour vision.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
 DASHES = ("-", "--", "-.", ":")
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "figure.figsize": (7.0, 4.5),
     "figure.constrained_layout.use": True,
     "axes.grid": True,
@@ -40,21 +40,19 @@ MOST_LEGEND_LINES = 8
 FLAG_COLOURS = {AGREES: "#E8E8E8", ROUNDED_KEY: "#E69F00", MISPRINT: "#D55E00"}
 
 
-def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> list[Path]:
-    """Draw every figure of a scene and return the files. Raises InputError, naming the figure, where it cannot."""
+def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
+    """Draw every figure of a scene. Raises InputError, naming the figure, where it cannot."""
     drawers = {"curves": _curves, "map": _map, "profiles": _profiles, "audit": _audit}
-    paths = []
     for figure in scene.figures:
         with plt.rc_context(STYLE):
             try:
                 drawn = drawers[figure.kind](scene, dataset, figure)
             except InputError as problem:
                 raise InputError(f"{scene.path}: figures.{figure.name}: {problem}") from None
-            paths += _save(drawn, folder / f"{scene.name}_{figure.name}")
-    return paths
+            _save(drawn, folder / f"{scene.name}_{figure.name}")
 
 
-def _save(figure: Any, stem: Path) -> Iterator[Path]:
+def _save(figure: Any, stem: Path) -> None:
     for suffix, settings in (
         (".svg", {"metadata": {"Date": None}}),
         (".png", {"dpi": 150, "metadata": {"Software": None}}),
@@ -62,7 +60,6 @@ def _save(figure: Any, stem: Path) -> Iterator[Path]:
         path = stem.with_suffix(suffix)
         with written_whole(path) as temporary:
             figure.savefig(temporary, format=suffix[1:], **settings)
-        yield path
     plt.close(figure)
 
 
@@ -74,7 +71,7 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         for part, shade, suffix in _each(chosen, settings.get("each")):
             x, y = xr.broadcast(evaluate(part, settings["x"]), evaluate(part, formula))
             shaded = shade is not None
-            style = {
+            style: Any = {
                 "color": shade if shaded else PALETTE[number % len(PALETTE)],
                 "linestyle": DASHES[number % 4 if shaded else 0],
             }

@@ -77,17 +77,16 @@ def frame(dataset: xr.Dataset, names: list[str]) -> pd.DataFrame:
     return table[[*leading, *names]]
 
 
-def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> list[Path]:
+def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> None:
     """Write a table as CSV, whole, and as Markdown, in the length that a person reads."""
     if table.empty:
-        return []
+        return
     csv, markdown = folder / f"{name}.csv", folder / f"{name}.md"
     write_text(csv, table.to_csv(index=False, lineterminator="\n"))
     shown = table.head(MARKDOWN_ROWS)
     more = f"\n\n{len(table) - len(shown)} more rows are in `{csv.name}`." if len(table) > len(shown) else ""
     body = shown.to_markdown(index=False, floatfmt=".6g")
     write_text(markdown, f"{caption}\n\n{body}{more}\n")
-    return [csv, markdown]
 
 
 def _reference_values(scene: Scene, dataset: xr.Dataset, output: str) -> xr.DataArray | None:
@@ -102,8 +101,8 @@ def _reference_values(scene: Scene, dataset: xr.Dataset, output: str) -> xr.Data
 
 
 def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
-    absolute = np.abs(values - reference)
-    relative = absolute / np.abs(reference)
+    absolute: xr.DataArray = abs(values - reference)
+    relative = absolute / abs(reference)
     found = absolute.values[np.isfinite(absolute.values)]
     found_relative = relative.values[np.isfinite(relative.values)]
     return {
@@ -115,8 +114,8 @@ def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
 
 
 def _spread(kind: str, values: np.ndarray) -> dict[str, float]:
-    statistics = {"max": np.max, "median": np.median, "95 %": lambda v: np.quantile(v, 0.95)}
-    return {f"{kind} {name}": float(f(values)) if values.size else float("nan") for name, f in statistics.items()}
+    levels = {"max": 1.0, "median": 0.5, "95 %": 0.95}
+    return {f"{kind} {n}": float(np.quantile(values, q)) if values.size else float("nan") for n, q in levels.items()}
 
 
 def _place_of_largest(relative: xr.DataArray) -> str:

@@ -1,0 +1,1 @@
+"""One module for each method; found by looking into this folder."""

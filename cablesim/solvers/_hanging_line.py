@@ -17,8 +17,8 @@ class LevelLine(Batch):
 
     span: Array = parameter(above=0.0, typical=(1.0, 1e3))
     weight_per_length: Array = parameter(above=0.0, typical=(0.1, 1e4))
-    line_length: Array | None = parameter(above=0.0, typical=(1.0, 3e3))
-    length_ratio: Array | None = parameter(above=0.0, typical=(0.9, 3.0), instead_of="line_length")
+    line_length: Array = parameter(above=0.0, typical=(1.0, 3e3))
+    length_ratio: Array = parameter(above=0.0, typical=(0.9, 3.0), instead_of="line_length")
 
     @property
     def length(self) -> Array:

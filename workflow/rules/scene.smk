@@ -10,13 +10,13 @@ for scene in study.scenes:
         output:
             dataset=scene.dataset,
             stamp=scene.stamp("collect"),
+        log:
+            f"{study.results}/logs/collect/{scene.name}.log",
         params:
             scene=scene.path,
             results=study.results,
-        log:
-            f"{study.results}/logs/collect/{scene.name}.log",
         shell:
-            "python -m cablesim step collect {params.scene:q} {params.results:q} --stamp {output.stamp:q} 2> {log:q}"
+            "{study.python:q} -m cablesim step collect {params.scene:q} {params.results:q} --stamp {output.stamp:q} 2> {log:q}"
 
     rule:
         name:
@@ -25,13 +25,13 @@ for scene in study.scenes:
             scene.stamp("collect"),
         output:
             scene.stamp("summarise"),
+        log:
+            f"{study.results}/logs/summarise/{scene.name}.log",
         params:
             scene=scene.path,
             results=study.results,
-        log:
-            f"{study.results}/logs/summarise/{scene.name}.log",
         shell:
-            "python -m cablesim step summarise {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"
+            "{study.python:q} -m cablesim step summarise {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"
 
     rule:
         name:
@@ -40,10 +40,10 @@ for scene in study.scenes:
             scene.stamp("collect"),
         output:
             scene.stamp("figures"),
+        log:
+            f"{study.results}/logs/figures/{scene.name}.log",
         params:
             scene=scene.path,
             results=study.results,
-        log:
-            f"{study.results}/logs/figures/{scene.name}.log",
         shell:
-            "python -m cablesim step figures {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"
+            "{study.python:q} -m cablesim step figures {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"

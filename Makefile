@@ -1,0 +1,44 @@
+# Needs Python 3.11 or later and make; everything else is installed into .venv/ from the lock files.
+PYTHON ?= python3
+BIN := .venv/bin
+LOCKED := $(BIN)/python -m pip install --quiet --require-hashes --requirement
+SELF := $(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+
+.PHONY: study test bench lock references clean
+
+study: .venv/study  ## Compute the default study into results/default/.
+	$(BIN)/snakemake --workflow-profile workflow/profiles/default
+
+test: .venv/test  ## Formatting, types, import directions and all tests.
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/python -m pytest
+
+bench: .venv/test  ## Speed against named alternatives; prints tables.
+	$(BIN)/python benchmarks/exact_catenary.py
+	$(BIN)/python benchmarks/workflow.py
+
+references: .venv/test  ## Recompute the 40-digit references of the tests.
+	$(BIN)/python tests/reference/make_catenary_references.py
+
+lock:  ## Resolve the dependencies anew (needs uv).
+	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-header --extra build \
+	  pyproject.toml --output-file requirements.lock
+	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-header --extra build --extra test \
+	  --constraint requirements.lock pyproject.toml --output-file requirements-test.lock
+
+.venv/study: requirements.lock pyproject.toml
+	test -d .venv || $(PYTHON) -m venv .venv
+	$(LOCKED) requirements.lock
+	$(SELF)
+	touch $@
+
+.venv/test: requirements-test.lock .venv/study
+	$(LOCKED) requirements-test.lock
+	touch $@
+
+clean:  ## Remove the environment; results are kept.
+	rm -rf .venv
