@@ -1,6 +1,7 @@
 """Files appear whole or not at all: written beside, synced, renamed; damage is found by digest, not by luck."""
 
 import hashlib
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,7 +9,7 @@ from pathlib import Path
 
 from cablesim.errors import EnvironmentFault
 
-LEDGER_SUFFIX = ".sha256"
+LEDGER_SUFFIX = ".json"
 
 
 @contextmanager
@@ -42,26 +43,29 @@ def write_text(path: Path, text: str) -> None:
 
 def ledger(path: Path) -> Path:
     """The file beside `path` that vouches for it."""
-    return path.with_name(path.name + LEDGER_SUFFIX)
+    return path.with_suffix(LEDGER_SUFFIX)
 
 
-def enter_in_ledger(path: Path) -> None:
-    """Record the digest of a finished file, in the format of sha256sum."""
-    write_text(ledger(path), f"{digest_of(path)}  {path.name}\n")
+def enter_in_ledger(path: Path, seconds: float) -> None:
+    """Record the digest of a finished file, and what it took: measured times stay out of the file itself."""
+    write_text(ledger(path), json.dumps({"sha256": digest_of(path), "seconds": seconds}) + "\n")
 
 
-def check_against_ledger(path: Path) -> None:
-    """Raises EnvironmentFault if the file is missing, was never finished or is not what was written."""
+def check_against_ledger(path: Path) -> float:
+    """The seconds a file took. Raises EnvironmentFault if it is missing, unfinished or not what was written."""
     if not path.is_file():
         raise EnvironmentFault(f"{path}: missing; run the study again to compute it")
     if not ledger(path).is_file():
         raise EnvironmentFault(f"{path}: never finished (no {ledger(path).name}); run the study again to compute it")
-    if ledger(path).read_text(encoding="utf-8").split()[:1] != [digest_of(path)]:
-        path.unlink()
-        ledger(path).unlink()
-        raise EnvironmentFault(
-            f"{path}: was damaged (its digest does not match) and is removed; run the study again to compute it"
-        )
+    try:
+        entry = json.loads(ledger(path).read_text(encoding="utf-8"))
+        if entry["sha256"] == digest_of(path):
+            return float(entry["seconds"])
+    except (ValueError, KeyError, TypeError):
+        pass
+    path.unlink()
+    ledger(path).unlink()
+    raise EnvironmentFault(f"{path}: was damaged (its digest does not match) and is removed; run the study again")
 
 
 def digest_of(path: Path) -> str:

@@ -44,10 +44,6 @@ class ScenePlan:
         """Scenarios in all shards, each counted once for each method that solves it."""
         return sum(math.prod(recipe.shape) for recipe in self.recipes.values())
 
-    def method_of(self, digest: str) -> str:
-        """The first method that a shard belongs to."""
-        return next(m.method for m in self.methods for p in m.placements if p.recipe.digest == digest)
-
 
 def plan_digest(scene: Scene) -> str:
     """Digest of what a plan depends on: the scene, its tables, and the sources of its solvers."""

@@ -50,9 +50,6 @@ class PlannedScene:
         paths = [self.layout.shards(self.name) / f"{digest}.nc" for digest in self.shard_plan.recipes]
         return [str(path) for shard in paths for path in (shard, ledger(shard))]
 
-    def method_of(self, shard: str) -> str:
-        return self.shard_plan.method_of(shard)
-
     def stamp(self, step: str) -> str:
         """The stamp of a step, named by the plan and by the sources of the steps that lead to it."""
         steps = ("collect",) if step == "collect" else ("collect", step)
@@ -92,6 +89,6 @@ def _forget_lost_files(scene: PlannedScene) -> None:
         "summarise": [layout.tables / f"{name}_status.csv"],
         "figures": [layout.figures / f"{name}_{figure.name}.svg" for figure in scene.scene.figures],
     }
-    for step, paths in found.items():
-        if not all(path.is_file() for path in paths):
-            Path(scene.stamp(step)).unlink(missing_ok=True)
+    lost = [step for step, paths in found.items() if not all(path.is_file() for path in paths)]
+    for step in found if "collect" in lost else lost:
+        Path(scene.stamp(step)).unlink(missing_ok=True)

@@ -27,7 +27,7 @@ def solve_recipe(recipe: Recipe) -> Results:
 
 
 def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
-    """Write a shard and enter it in its ledger. The measured time stands in a group of its own."""
+    """Write a shard and enter it, with the measured time, in its ledger."""
     import netCDF4
 
     shape = recipe.shape
@@ -47,18 +47,17 @@ def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
             _write(file, name, (*dims, *quantity(name).dims), values.reshape(*shape, *values.shape[1:]))
         _write(file, "status", dims, results.status.reshape(shape))
         _write(file, "iterations", dims, results.iterations.reshape(shape))
-        file.createGroup("measured").setncattr("seconds", results.seconds)
-    enter_in_ledger(path)
+    enter_in_ledger(path, results.seconds)
 
 
 def read_shard(path: Path, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], float]:
     """Variables of a shard as arrays in its own axes, and the seconds it took. Raises EnvironmentFault if damaged."""
     import netCDF4
 
-    check_against_ledger(path)
+    seconds = check_against_ledger(path)
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
-        return {name: file.variables[name][...] for name in names}, float(file.groups["measured"].seconds)
+        return {name: file.variables[name][...] for name in names}, seconds
 
 
 def chunk_sizes(shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -36,6 +36,7 @@ def two_square(a: Array) -> tuple[Array, Array]:
 def excess_of_squares(length: Array, tail: Array, span: Array, rise: Array) -> Array:
     """(length + tail)**2 - span**2 - rise**2, correct to a few units in the last place even when it nearly vanishes.
 
+    Below 1e-16 length**2 (a chord between two floats) the error stays below 1e-32 length**2, and so the sign is right.
     `tail` is the part of the length too small for the float `length` to hold (0 where there is none).
     """
     length_high, length_low = two_square(length)

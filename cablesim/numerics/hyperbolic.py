@@ -51,8 +51,8 @@ def asinh_increment(start: Array, step: Array) -> Array:
     return np.arcsinh(np.where(start * end > 0.0, one_sided, forward - backward))
 
 
-def inverse_sinhc_excess(excess: Array) -> tuple[Array, Array]:
-    """The x > 0 with sinh(x)/x - 1 = excess > 0, and the relative size of the last step taken towards it.
+def inverse_sinhc_excess(excess: Array) -> Array:
+    """The x > 0 with sinh(x)/x - 1 = excess > 0.
 
     Halley's method on log(sinh(x)/x) = t, t = log(1 + excess), which is almost linear for large x. The start
     x**2 = 6 t + 1.2 t**2 has the two leading terms for small t and is within 9 % up to the overflow of sinh, so a
@@ -60,16 +60,14 @@ def inverse_sinhc_excess(excess: Array) -> tuple[Array, Array]:
     """
     log_ratio = np.log1p(excess)
     x = np.minimum(np.sqrt(log_ratio * (6.0 + 1.2 * log_ratio)), LARGEST_ARGUMENT)
-    step = np.zeros_like(x)
     for _ in range(HALLEY_STEPS):
         ratio_excess = sinhc_excess(x)
         ratio = 1.0 + ratio_excess
         slope = cosh_sinhc_difference(x) / ratio
         newton = np.log1p((ratio_excess - excess) / (1.0 + excess)) / slope
         curvature = ratio_excess / ratio * (1.0 + 1.0 / ratio) / slope
-        step = newton / (1.0 - 0.5 * newton * curvature)
-        x = x - x * step
-    return x, np.abs(step)
+        x = x - x * newton / (1.0 - 0.5 * newton * curvature)
+    return x
 
 
 def _by_size(x: Array, series: tuple[float, ...], direct: Callable[[Array], Array]) -> Array:

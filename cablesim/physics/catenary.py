@@ -125,16 +125,19 @@ class Catenary(HangingCurve):
     @cached_property
     def _mean_slope(self) -> Array:
         """sinh(mu) = (h / l) (lambda + e) / (sinh lambda + e cosh lambda)."""
-        return self.rise / self.span * (1.0 - self._slope_deficit)
+        taut = self.half_angle + self.strain
+        return self.rise / self.span * (taut / (taut + self._lag))
 
     @cached_property
     def _slope_deficit(self) -> Array:
         """1 - sinh(mu) / (h / l): how much less the line leans at mid-angle than its chord; small when taut."""
-        if self._inextensible:
-            ratio_excess = sinhc_excess(self.half_angle)
-            return ratio_excess / (1.0 + ratio_excess)
-        lag = self.half_angle * sinhc_excess(self.half_angle) + self.strain * cosh_excess(self.half_angle)
-        return lag / (self.half_angle + self.strain + lag)
+        return self._lag / (self.half_angle + self.strain + self._lag)
+
+    @cached_property
+    def _lag(self) -> Array:
+        """sinh lambda + e cosh lambda - (lambda + e)."""
+        rigid = self.half_angle * sinhc_excess(self.half_angle)
+        return rigid if self._inextensible else rigid + self.strain * cosh_excess(self.half_angle)
 
     @cached_property
     def _parallel_angle(self) -> Array:

@@ -16,7 +16,7 @@ for scene in study.scenes:
             scene=scene.path,
             results=study.results,
         shell:
-            "{study.python:q} -m cablesim step collect {params.scene:q} {params.results:q} --stamp {output.stamp:q} 2> {log:q}"
+            "{study.python:q} -m cablesim step collect {params.scene:q} {params.results:q} --stamp {output.stamp:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -31,7 +31,7 @@ for scene in study.scenes:
             scene=scene.path,
             results=study.results,
         shell:
-            "{study.python:q} -m cablesim step summarise {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"
+            "{study.python:q} -m cablesim step summarise {params.scene:q} {params.results:q} --stamp {output:q} 2>&1 | tee {log:q}"
 
     rule:
         name:
@@ -46,4 +46,4 @@ for scene in study.scenes:
             scene=scene.path,
             results=study.results,
         shell:
-            "{study.python:q} -m cablesim step figures {params.scene:q} {params.results:q} --stamp {output:q} 2> {log:q}"
+            "{study.python:q} -m cablesim step figures {params.scene:q} {params.results:q} --stamp {output:q} 2>&1 | tee {log:q}"

@@ -1,0 +1,81 @@
+"""Files appear whole or not at all, and damage is found."""
+
+import os
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+from cablesim.errors import EnvironmentFault
+from cablesim.files import check_against_ledger, enter_in_ledger, ledger, written_whole
+
+
+def test_a_file_appears_when_its_writing_ends(tmp_path):
+    path = tmp_path / "deep" / "file.txt"
+    with written_whole(path) as temporary:
+        temporary.write_text("whole")
+        assert not path.exists()
+    assert path.read_text() == "whole"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
+    path = tmp_path / "file.txt"
+    path.write_text("old")
+    with pytest.raises(ZeroDivisionError), written_whole(path) as temporary:
+        temporary.write_text("half")
+        raise ZeroDivisionError
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_writer_killed_in_the_middle_leaves_no_file(tmp_path):
+    script = """
+        import os, sys
+        from pathlib import Path
+        from cablesim.files import written_whole
+        with written_whole(Path("file.txt")) as temporary:
+            temporary.write_text("half")
+            os.kill(os.getpid(), 9)
+    """
+    killed = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], cwd=tmp_path, check=False)
+    assert killed.returncode == -9
+    assert not (tmp_path / "file.txt").exists()
+
+
+def test_a_full_disk_is_the_machines_fault_and_names_the_path(tmp_path):
+    path = tmp_path / "file.txt"
+    with pytest.raises(EnvironmentFault, match=r"file\.txt: cannot be written \(No space left"), written_whole(path):
+        raise OSError(28, os.strerror(28))
+
+
+@pytest.mark.parametrize("where", [0, 3, -1])
+def test_a_flipped_bit_is_found_and_the_file_removed(tmp_path, where):
+    path = tmp_path / "shard.nc"
+    path.write_bytes(b"results")
+    enter_in_ledger(path, seconds=1.5)
+    assert check_against_ledger(path) == 1.5
+    data = bytearray(path.read_bytes())
+    data[where] ^= 4
+    path.write_bytes(data)
+    with pytest.raises(EnvironmentFault, match="damaged"):
+        check_against_ledger(path)
+    assert not path.exists()
+    assert not ledger(path).exists()
+
+
+def test_a_file_without_a_ledger_was_never_finished(tmp_path):
+    path = tmp_path / "shard.nc"
+    path.write_bytes(b"results")
+    with pytest.raises(EnvironmentFault, match="never finished"):
+        check_against_ledger(path)
+
+
+def test_a_spoilt_ledger_vouches_for_nothing(tmp_path):
+    path = tmp_path / "shard.nc"
+    path.write_bytes(b"results")
+    enter_in_ledger(path, seconds=1.0)
+    ledger(path).write_text("[]")
+    with pytest.raises(EnvironmentFault, match="damaged"):
+        check_against_ledger(path)

@@ -1,0 +1,144 @@
+"""Shards: every scenario once, and only what is new is computed when a study grows."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cablesim import shards
+from cablesim.config.scene import read_scene
+from cablesim.plan import plan_scene, read_plan
+from cablesim.shards import plan_methods
+
+SCENE = """
+title: A grid that grows
+design:
+  grid:
+    span: {spans}
+    length_ratio: {ratios}
+fixed: {{weight_per_length: {weight}}}
+methods: {methods}
+outputs: {outputs}
+"""
+EXACT = "{exact: {solver: catenary_exact}}"
+
+
+def scene(
+    folder: Path, spans="[10, 20, 30]", ratios="[1.1, 1.2]", weight=5, methods=EXACT, outputs="[sag, max_tension]"
+):
+    path = folder / "growing.yaml"
+    path.write_text(SCENE.format(spans=spans, ratios=ratios, weight=weight, methods=methods, outputs=outputs))
+    return read_scene(path)
+
+
+def solved(plan) -> dict[str, int]:
+    """Scenarios of each shard of a plan."""
+    return {digest: math.prod(recipe.shape) for digest, recipe in plan.recipes.items()}
+
+
+def new_scenarios(before, after) -> int:
+    """Scenarios in shards that the earlier plan does not have."""
+    return sum(size for digest, size in solved(after).items() if digest not in solved(before))
+
+
+def covered(plan, method: int, shape: tuple[int, ...]) -> np.ndarray:
+    """How often each scenario of a method is placed."""
+    count = np.zeros(shape, dtype=int)
+    for placement in plan.methods[method].placements:
+        count[np.ix_(*placement.target)] += 1
+    return count
+
+
+@pytest.mark.parametrize(
+    ("change", "new"),
+    [
+        ({"spans": "[10, 20, 30, 40]"}, 2),
+        ({"spans": "[5, 10, 20, 30]"}, 2),
+        ({"spans": "[10, 20, 25, 30]"}, 2),
+        ({"spans": "[30, 25, 10, 20]"}, 2),
+        ({"ratios": "[1.05, 1.1, 1.2]"}, 3),
+        ({"spans": "[10, 20, 30, 40]", "ratios": "[1.1, 1.15, 1.2]"}, 6),
+        ({"methods": "{exact: {solver: catenary_exact}, parabolic: {solver: catenary_parabolic}}"}, 6),
+        ({"methods": "{renamed: {solver: catenary_exact}}"}, 0),
+        ({"outputs": "[sag]"}, 0),
+        ({"spans": "[10, 30]"}, 0),
+        ({"weight": 6}, 6),
+        ({"outputs": "[sag, drop, max_tension]"}, 6),
+    ],
+)
+def test_a_grown_study_computes_only_what_is_new(tmp_path, change, new):
+    before = plan_scene(scene(tmp_path), tmp_path / "plans")
+    grown = scene(tmp_path, **change)
+    after = plan_scene(grown, tmp_path / "plans")
+    assert new_scenarios(before, after) == new
+    for number in range(len(grown.methods)):
+        assert (covered(after, number, grown.design.shape) >= 1).all()
+
+
+def test_an_axis_made_of_a_fixed_value_takes_over_what_was_solved_for_it(tmp_path):
+    before = plan_scene(scene(tmp_path), tmp_path / "plans")
+    path = tmp_path / "growing.yaml"
+    path.write_text(
+        path.read_text().replace("  grid:", "  grid:\n    weight_per_length: [4, 5]").replace("fixed:", "# fixed:")
+    )
+    after = plan_scene(read_scene(path), tmp_path / "plans")
+    assert new_scenarios(before, after) == 6
+    assert solved(after).items() >= solved(before).items()
+
+
+def test_going_back_to_an_earlier_scene_needs_nothing(tmp_path):
+    first = plan_scene(scene(tmp_path), tmp_path / "plans")
+    plan_scene(scene(tmp_path, spans="[10, 20, 30, 40]"), tmp_path / "plans")
+    again = plan_scene(scene(tmp_path), tmp_path / "plans")
+    assert solved(again) == solved(first)
+
+
+def test_without_history_every_scenario_is_in_one_shard_only(tmp_path, monkeypatch):
+    monkeypatch.setattr(shards, "MOST_SCENARIOS", 7)
+    grid = scene(tmp_path, spans="{start: 1, stop: 9, num: 9}", ratios="{start: 1.1, stop: 1.5, num: 5}")
+    plans = plan_methods(grid, ())
+    count = np.zeros(grid.design.shape, dtype=int)
+    for placement in plans[0].placements:
+        assert math.prod(placement.recipe.shape) <= 7
+        count[np.ix_(*placement.target)] += 1
+    assert (count == 1).all()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_set_of_scenarios_is_covered_exactly_by_blocks(seed):
+    draw = np.random.default_rng(seed)
+    shape = tuple(draw.integers(1, 7, size=draw.integers(1, 4)))
+    mask = draw.random(shape) < draw.random()
+    count = np.zeros(shape, dtype=int)
+    limit = int(draw.integers(1, 20))
+    for block in shards._blocks(mask, limit):
+        assert math.prod(points.size for points in block) <= limit
+        count[np.ix_(*block)] += 1
+    np.testing.assert_array_equal(count, mask.astype(int))
+
+
+def test_a_plan_reads_back_as_it_was_written(tmp_path):
+    grown = scene(tmp_path)
+    plan_scene(grown, tmp_path / "plans")
+    plan = plan_scene(scene(tmp_path, spans="[10, 15, 20, 30]"), tmp_path / "plans")
+    path = next((tmp_path / "plans").glob(f"*.{plan.digest}.npz"))
+    again = read_plan(path)
+    assert list(again.recipes) == list(plan.recipes)
+    # A recipe's digest covers every value in it, so recipes that were read wrongly would name other shards.
+    assert all(digest == recipe.digest for digest, recipe in again.recipes.items())
+    for ours, theirs in zip(plan.methods[0].placements, again.methods[0].placements, strict=True):
+        for one, other in zip(ours.target + ours.source, theirs.target + theirs.source, strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+def test_editing_a_solver_changes_its_shards_and_no_others(monkeypatch, tmp_path):
+    both = "{exact: {solver: catenary_exact}, parabolic: {solver: catenary_parabolic}}"
+    before = plan_scene(scene(tmp_path, methods=both), tmp_path / "plans")
+    real = shards.source_digest
+    edited = lambda name: "edited" if name == "catenary_parabolic" else real(name)  # noqa: E731
+    monkeypatch.setattr("cablesim.shards.source_digest", edited)
+    monkeypatch.setattr("cablesim.plan.source_digest", edited)
+    after = plan_scene(scene(tmp_path, methods=both), tmp_path / "plans")
+    assert new_scenarios(before, after) == 6
+    assert {r.solver for d, r in after.recipes.items() if d not in solved(before)} == {"catenary_parabolic"}
