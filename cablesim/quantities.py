@@ -52,8 +52,8 @@ TABLE = (
         "vertex_x", "x_v", "m", "horizontal position of the vertex from support A; outside 0..span if not on the line"
     ),
     Quantity("stretched_length", "L_s", "m", "length of the line under its tension"),
-    Quantity("profile", "r", "m", "position along the line from A, nodes at equal arc length", ("node", "component")),
-    Quantity("profile_tension", "T", "N", "tension along the line, at the nodes of the profile", ("node",)),
+    Quantity("profile", "r", "m", "position along the line, from A to B", ("node", "component")),
+    Quantity("profile_tension", "T", "N", "tension along the line, at the nodes of its profile", ("node",)),
     Quantity("sag_limit_ratio", "(L/l)_d", "1", "largest length ratio at which the sag is within the permitted error"),
     Quantity("tension_limit_ratio", "(L/l)_T", "1", "largest length ratio at which the largest tension is within it"),
     # what every solver can tell of its work

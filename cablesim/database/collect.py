@@ -5,6 +5,7 @@ bytes every time.
 """
 
 import json
+import math
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,15 +14,17 @@ import numpy as np
 import xarray as xr
 
 from cablesim.config.scene import Scene
-from cablesim.database.shard_file import chunk_sizes, read_shard
+from cablesim.database.shard_file import check_shards, chunk_sizes, read_shard
 from cablesim.files import written_whole
 from cablesim.plan import ScenePlan
 from cablesim.quantities import COMPONENTS, QUANTITIES, quantity
-from cablesim.shards import MethodPlan, Placement
+from cablesim.shards import Placement
 from cablesim.solver import source_digest
 from cablesim.status import Status
 
 NOT_COUNTED = -1
+# Shards held in memory beside the dataset they go into.
+SHARDS_AT_ONCE = 8
 MEASURED = "measured"
 WHOLE = {"status": np.dtype(np.int8), "iterations": np.dtype(np.int32)}
 
@@ -52,13 +55,16 @@ def _gather(scene: Scene, plan: ScenePlan, shards: Path) -> tuple[dict[str, Any]
     arrays: dict[str, np.ndarray] = {}
     run_time = np.zeros(shape, dtype=np.float32)
     names = (*scene.outputs, *WHOLE)
-    tasks = [
-        dask.delayed(_place)(arrays, run_time, shape, names, number, method_plan, placement, shards)
-        for number, method_plan in enumerate(plan.methods)
-        for placement in method_plan.placements
-    ]
-    # One thread: HDF5 serialises all reading behind one lock anyway, and threads around it have crashed.
-    dask.compute(*tasks, scheduler="synchronous")
+    seconds = check_shards(shards / f"{digest}.nc" for digest in plan.recipes)
+    placed = [(number, method, item) for number, method in enumerate(plan.methods) for item in method.placements]
+    for first in range(0, len(placed), SHARDS_AT_ONCE):
+        group = placed[first : first + SHARDS_AT_ONCE]
+        paths = [shards / f"{placement.recipe.digest}.nc" for _, _, placement in group]
+        # One thread: HDF5 serialises all reading behind one lock anyway, and threads around it have crashed.
+        read = dask.compute(*(dask.delayed(read_shard)(path, names) for path in paths), scheduler="synchronous")
+        for (number, method, placement), path, values in zip(group, paths, read, strict=True):
+            share = seconds[path] / max(1, math.prod(placement.recipe.shape))
+            _place(arrays, run_time, number, method.positions, placement, values, share)
     for number, method in enumerate(scene.methods):
         if not method.solver.iterates:
             arrays["iterations"][number] = NOT_COUNTED
@@ -72,26 +78,23 @@ def _gather(scene: Scene, plan: ScenePlan, shards: Path) -> tuple[dict[str, Any]
 def _place(
     arrays: dict[str, np.ndarray],
     run_time: np.ndarray,
-    shape: tuple[int, ...],
-    names: tuple[str, ...],
     number: int,
-    plan: MethodPlan,
+    positions: tuple[int, ...],
     placement: Placement,
-    shards: Path,
+    values: dict[str, np.ndarray],
+    seconds: float,
 ) -> None:
-    """Read one shard and put it where it belongs; a method that ignores an axis has the same answer all along it."""
-    values, seconds = read_shard(shards / f"{placement.recipe.digest}.nc", names)
-    axes = [slice(None)] * (len(shape) - 1)
-    for position, target in zip(plan.positions, placement.target, strict=True):
+    """Put a shard where it belongs; a method that ignores an axis has the same answer all along it."""
+    dimensions = run_time.ndim - 1
+    axes: list[Any] = [slice(None)] * dimensions
+    for position, target in zip(positions, placement.target, strict=True):
         axes[position] = _as_slice(target)
-    for name in names:
-        block = _in_design_order(values[name], placement, plan.positions, len(shape) - 1)
+    for name, own in values.items():
+        block = _in_design_order(own, placement, positions, dimensions)
         if name not in arrays:
-            extra = block.shape[len(shape) - 1 :]
-            arrays[name] = np.empty(shape + extra, dtype=block.dtype)
+            arrays[name] = np.empty(run_time.shape + block.shape[dimensions:], dtype=block.dtype)
         _assign(arrays[name][number], axes, block)
-    share = seconds / max(1, int(np.prod(placement.recipe.shape)))
-    _assign(run_time[number], axes, np.full((1,) * (len(shape) - 1), share, dtype=np.float32))
+    _assign(run_time[number], axes, np.full((1,) * dimensions, seconds, dtype=np.float32))
 
 
 def _in_design_order(values: np.ndarray, placement: Placement, positions: tuple[int, ...], axes: int) -> np.ndarray:

@@ -1,6 +1,7 @@
 """The netCDF file of one job, written with netCDF4 alone: a solve step that imports no more starts in half the time."""
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from cablesim import batch
 from cablesim.batch import Results
 from cablesim.design import expand
+from cablesim.errors import EnvironmentFault
 from cablesim.files import check_against_ledger, enter_in_ledger, written_whole
 from cablesim.quantities import quantity
 from cablesim.shards import Recipe
@@ -50,14 +52,29 @@ def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
     enter_in_ledger(path, results.seconds)
 
 
-def read_shard(path: Path, names: tuple[str, ...]) -> tuple[dict[str, np.ndarray], float]:
-    """Variables of a shard as arrays in its own axes, and the seconds it took. Raises EnvironmentFault if damaged."""
+def check_shards(paths: Iterable[Path]) -> dict[Path, float]:
+    """The seconds that each shard took.
+
+    All are checked before EnvironmentFault is raised for the damaged ones, so that one more run mends them all.
+    """
+    seconds, faults = {}, []
+    for path in paths:
+        try:
+            seconds[path] = check_against_ledger(path)
+        except EnvironmentFault as fault:
+            faults.append(str(fault))
+    if faults:
+        raise EnvironmentFault(faults[0] + (f" (and {len(faults) - 1} more shards)" if len(faults) > 1 else ""))
+    return seconds
+
+
+def read_shard(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Variables of a checked shard as arrays in its own axes."""
     import netCDF4
 
-    seconds = check_against_ledger(path)
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)
-        return {name: file.variables[name][...] for name in names}, seconds
+        return {name: file.variables[name][...] for name in names}
 
 
 def chunk_sizes(shape: tuple[int, ...]) -> tuple[int, ...]:
