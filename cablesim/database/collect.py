@@ -56,15 +56,15 @@ def _gather(scene: Scene, plan: ScenePlan, shards: Path) -> tuple[dict[str, Any]
     run_time = np.zeros(shape, dtype=np.float32)
     names = (*scene.outputs, *WHOLE)
     seconds = check_shards(shards / f"{digest}.nc" for digest in plan.recipes)
-    placed = [(number, method, item) for number, method in enumerate(plan.methods) for item in method.placements]
+    placed = [(number, part.positions, item) for number, part in enumerate(plan.methods) for item in part.placements]
     for first in range(0, len(placed), SHARDS_AT_ONCE):
         group = placed[first : first + SHARDS_AT_ONCE]
         paths = [shards / f"{placement.recipe.digest}.nc" for _, _, placement in group]
         # One thread: HDF5 serialises all reading behind one lock anyway, and threads around it have crashed.
         read = dask.compute(*(dask.delayed(read_shard)(path, names) for path in paths), scheduler="synchronous")
-        for (number, method, placement), path, values in zip(group, paths, read, strict=True):
+        for (number, positions, placement), path, values in zip(group, paths, read, strict=True):
             share = seconds[path] / max(1, math.prod(placement.recipe.shape))
-            _place(arrays, run_time, number, method.positions, placement, values, share)
+            _place(arrays, run_time, number, positions, placement, values, share)
     for number, method in enumerate(scene.methods):
         if not method.solver.iterates:
             arrays["iterations"][number] = NOT_COUNTED

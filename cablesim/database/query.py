@@ -74,7 +74,7 @@ def _as_table(table: pd.DataFrame) -> bytes:
 
     units = units_of(table)
     heads = [f"{name}\n[{units[name]}]" if units.get(name, "1") != "1" else name for name in table.columns]
-    body = tabulate(table.head(TABLE_ROWS).to_numpy().tolist(), heads, floatfmt=".6g", numalign="right")
+    body = tabulate(table.head(TABLE_ROWS).to_numpy().tolist(), heads, floatfmt=".8g", numalign="right")
     more = (
         f"\n... and {len(table) - TABLE_ROWS} more rows: ask for --format csv to have them all"
         if len(table) > TABLE_ROWS

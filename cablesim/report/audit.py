@@ -71,16 +71,21 @@ def audit_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
             head: table.columns[head][i],
             "column": columns[j],
             "printed": table.columns[columns[j]][i],
-            "exact": readings[0].exact[i, j],
-            "difference": printed[i, j] - readings[0].exact[i, j],
-            "units_off": (printed[i, j] - readings[0].exact[i, j]) / unit[i, j],
+            "exact": _rounded(readings[0].exact[i, j], 10),
+            "difference": _rounded(printed[i, j] - readings[0].exact[i, j], 4),
+            "units_off": _rounded((printed[i, j] - readings[0].exact[i, j]) / unit[i, j], 4),
             "flag": flags[i, j],
             "row_argument": readings[argument[i]].key,
-            "exact_at_argument": readings[argument[i]].exact[i, j],
+            "exact_at_argument": _rounded(readings[argument[i]].exact[i, j], 10),
         }
         for i, j in cells
     ]
     return pd.DataFrame(rows)
+
+
+def _rounded(value: float, digits: int) -> float:
+    """More digits than any printed table has, and fewer than a reader would have to skip."""
+    return float(f"{value:.{digits}g}")
 
 
 def _readings(published: Published, dataset: xr.Dataset) -> list[Reading]:

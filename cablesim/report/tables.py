@@ -83,9 +83,10 @@ def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> N
         return
     csv, markdown = folder / f"{name}.csv", folder / f"{name}.md"
     write_text(csv, table.to_csv(index=False, lineterminator="\n"))
-    shown = table.head(MARKDOWN_ROWS)
+    shown = table.head(MARKDOWN_ROWS).map(lambda cell: f"{cell:.6g}" if isinstance(cell, float) else str(cell))
     more = f"\n\n{len(table) - len(shown)} more rows are in `{csv.name}`." if len(table) > len(shown) else ""
-    body = shown.to_markdown(index=False, floatfmt=".6g")
+    # Printed values keep their zeros: 0.0200 is not 0.02.
+    body = shown.to_markdown(index=False, disable_numparse=True)
     write_text(markdown, f"{caption}\n\n{body}{more}\n")
 
 

@@ -1,0 +1,63 @@
+"""The README says what a user will see: its commands are run, its output compared, its scene checked."""
+
+import doctest
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from cablesim.cli import main
+from cablesim.config.scene import read_scene
+from cablesim.steps import run_scene
+from cablesim.study import Layout
+
+README = Path(__file__).parent.parent / "README.md"
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+def blocks(language: str) -> list[str]:
+    return [body for found, body in FENCE.findall(README.read_text(encoding="utf-8")) if found == language]
+
+
+def cases() -> list[tuple[str, str]]:
+    """Each command of the README with the output that follows it."""
+    return [(body.partition("\n")[0].removeprefix("$ "), body.partition("\n")[2]) for body in blocks("console")]
+
+
+@pytest.mark.parametrize(("command", "output"), cases(), ids=[command[:60] for command, _ in cases()])
+def test_a_command_of_the_readme_prints_what_it_says(command, output, default_study, monkeypatch, capsys):
+    monkeypatch.chdir(default_study)
+    program, *arguments = shlex.split(command)
+    if program == "head":
+        count, path = int(arguments[0].lstrip("-")), Path(arguments[1])
+        found = "".join(path.read_text().splitlines(keepends=True)[:count])
+    else:
+        assert program == "cablesim"
+        main(arguments)
+        found = capsys.readouterr().out
+    assert plain(found) == plain(output)
+
+
+def plain(text: str) -> str:
+    """Without the white space at line ends, which editors remove."""
+    return "\n".join(line.rstrip() for line in text.strip().splitlines())
+
+
+def test_the_python_lines_of_the_readme_print_what_they_say(default_study, monkeypatch):
+    monkeypatch.chdir(default_study)
+    examples = doctest.DocTestParser().get_doctest("\n".join(blocks("python")), {}, "README", str(README), 0)
+    assert doctest.DocTestRunner().run(examples).failed == 0
+
+
+def test_the_scene_of_the_readme_runs(tmp_path):
+    path = tmp_path / "own.yaml"
+    path.write_text(blocks("yaml")[0])
+    run_scene(read_scene(path), Layout(tmp_path / "results"), lambda step, done, total: None)
+    assert (tmp_path / "results" / "own.nc").exists()
+
+
+def test_every_file_that_the_readme_links_to_exists():
+    links = re.findall(r"\]\(([^)#]+)\)", README.read_text(encoding="utf-8"))
+    assert links
+    assert [link for link in links if not (README.parent / link).exists()] == []
