@@ -1,21 +1,26 @@
 """The command line. Nothing heavy is imported before it is known to be needed: `--help` answers at once."""
 
+import errno
 import json
 import math
 import os
 import sys
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cablesim.errors import CablesimError, InputError
 
+if TYPE_CHECKING:
+    from cablesim.solver import Solver
+
 EXIT_FLAGGED = 1
 EXIT_MISTAKE = 2
 EXIT_ENVIRONMENT = 3
 EXIT_BUG = 4
+LONGEST_LINE = 800
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -72,7 +77,7 @@ def solve(
             values[name] = units.to_si(text, chosen.parameters[name].unit)
         except InputError as problem:
             raise InputError(f"{name}: {problem}") from None
-    results = batch.solve(solver, values, _pairs(options), _names(outputs))
+    results = batch.solve(solver, values, _options(chosen, options), _names(outputs))
     status = Status(int(results.status[0]))
     answer = {name: _plain(value[0]) for name, value in results.outputs.items()}
     if as_json:
@@ -166,6 +171,8 @@ def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
     """What changed between two runs of a study. Measured times do not count. Exit code 0: the same, 1: they differ."""
     from cablesim.database import compare as comparison
 
+    if not 0.0 <= tolerance < math.inf:
+        raise InputError(f"--tolerance must be a number >= 0, not {tolerance}")
     table = comparison.compare(results_a, results_b, tolerance)
     differs = bool(table["differs"].any())
     click.echo(table.drop(columns="differs").to_markdown(index=False, floatfmt=".3g"))
@@ -229,6 +236,8 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code; no error of the user's or the machine's shows a traceback."""
     try:
         return cli.main(arguments, prog_name="cablesim", standalone_mode=False) or 0
+    except click.exceptions.NoArgsIsHelpError as problem:
+        return _complain(f"a command is missing: '{problem.ctx.command_path} --help' lists them", EXIT_MISTAKE)
     except click.ClickException as problem:
         return _complain(problem.format_message(), EXIT_MISTAKE)
     except CablesimError as problem:
@@ -239,6 +248,8 @@ def main(arguments: list[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as problem:
+        if problem.errno == errno.ENAMETOOLONG:
+            return _complain(f"{str(problem.filename)[:60]}...: the name is too long", EXIT_MISTAKE)
         return _complain(f"{problem.filename or 'the machine'}: {problem.strerror or problem}", EXIT_ENVIRONMENT)
     except MemoryError:
         return _complain("not enough memory for this", EXIT_ENVIRONMENT)
@@ -248,8 +259,17 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _complain(message: str, code: int) -> int:
-    click.echo("cablesim: " + " ".join(message.split()), err=True)
+    line = " ".join(message.split())
+    if len(line) > LONGEST_LINE:
+        line = f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 4 :]}"
+    click.echo("cablesim: " + line, err=True)
     return code
+
+
+def _options(solver: "Solver", texts: tuple[str, ...]) -> dict[str, Any]:
+    """Options as the solver reads them; unknown ones are left for it to refuse."""
+    known = solver.options
+    return {name: known[name].read_text(text) if name in known else text for name, text in _pairs(texts).items()}
 
 
 def _pairs(texts: tuple[str, ...]) -> dict[str, str]:
@@ -268,8 +288,8 @@ def _names(text: str | None) -> tuple[str, ...]:
     if text is None:
         return ()
     names = tuple(name.strip() for name in text.split(","))
-    if not all(names):
-        raise InputError(f"'{text[:60]}' is not a list of names separated by commas")
+    if not all(names) or len(set(names)) < len(names):
+        raise InputError(f"'{text[:60]}' is not a list of different names separated by commas")
     return names
 
 

@@ -49,8 +49,8 @@ STRING: /"[^"]{0,80}"|'[^']{0,80}'/
 VALUE: /@NUMBER@(?:\s?@UNIT@(?:(?:\/|\s)@UNIT@){0,4})?/
 %ignore /\s+/
 """
-_NUMBER = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?(?![\w.]*\()"
-_UNIT = r"(?!(?:and|or|not)\b)[A-Za-zµμ°%]{1,20}(?:\^?-?\d)?"
+_NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?(?![\w.]*\()"
+_UNIT = r"(?!(?:and|or|not)\b)[A-Za-zµμ°%]{1,20}(?:\^?-?[0-9])?"
 LONGEST = 1000
 DEEPEST = 60
 
@@ -100,8 +100,12 @@ class Expression:
 
     def evaluate(self, lookup: Lookup) -> Any:
         """The value for every scenario. Raises InputError for an unknown name, a wrong unit or a misused word."""
+        return self.term(lookup).values
+
+    def term(self, lookup: Lookup, checking: bool = False) -> Term:
+        """The value and its unit, which is known only if the formula writes one, or if `checking` is asked for."""
         with np.errstate(all="ignore"):
-            return _Evaluation(self, lookup).number(self.tree).values
+            return _Evaluation(self, lookup, checking).number(self.tree)
 
     def select(self, lookup: Lookup) -> Any:
         """True where the condition holds. Raises InputError where the expression is a number, not a condition."""
@@ -139,14 +143,16 @@ def parse(text: str) -> Expression:
 class _Evaluation:
     """One walk over a tree. Units are tracked only when one is written: a bare number fits any dimension."""
 
-    def __init__(self, expression: Expression, lookup: Lookup):
+    def __init__(self, expression: Expression, lookup: Lookup, checking: bool = False):
         self.text, self.lookup = expression.text, lookup
-        self.checking = any(_split(token)[1] for token in _values(expression.tree))
+        self.checking = checking or any(_split(token)[1] for token in _values(expression.tree))
 
     def visit(self, tree: "Tree") -> Term:
         return getattr(self, f"_{tree.data}")(*tree.children)
 
     def number(self, tree: "Tree") -> Term:
+        if tree.data in CONDITIONS:
+            raise InputError(f"'{self.text}': a condition cannot be used as a number")
         term = self.visit(tree)
         if term.unit == WORDS:
             if tree.data == "name" and isinstance(term.values, str):
@@ -156,6 +162,8 @@ class _Evaluation:
 
     def _value(self, token: "Token") -> Term:
         number, unit = _split(token)
+        if not np.isfinite(float(number)):
+            raise InputError(f"'{self.text}': {number} is too large for a number")
         if not unit:
             return Term(float(number), BARE)
         if unit in ("%", "percent"):
@@ -181,7 +189,13 @@ class _Evaluation:
         unit = terms[0].unit if name in ("abs", "min", "max") else BARE
         if name == "sqrt" and self.checking:
             unit = units.power(terms[0].unit, 0.5)
+        elif unit == BARE and self.checking:
+            self._plain(name, terms[0].unit)
         return Term(FUNCTIONS[name](*(term.values for term in terms)), unit)
+
+    def _plain(self, function: str, unit: str) -> None:
+        if unit != BARE and not units.compatible(unit, "1"):
+            raise InputError(f"'{self.text}': {function} takes an angle or a plain number, not a value in {unit}")
 
     def _power(self, base: "Tree", exponent: "Tree") -> Term:
         a, n = self.number(base), self.number(exponent)
@@ -203,6 +217,9 @@ class _Evaluation:
         return Term(a.values - b.values if sign == "-" else a.values + b.values, self._same_unit(a, b))
 
     def _comparison(self, left: "Tree", sign: "Token", right: "Tree") -> Term:
+        for side in (left, right):
+            if side.data in CONDITIONS:
+                raise InputError(f"'{self.text}': conditions are joined with 'and' and 'or', not compared")
         a, b = self.visit(left), self.visit(right)
         if WORDS in (a.unit, b.unit):
             return self._compare_words(a, str(sign), b)

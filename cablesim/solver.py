@@ -16,6 +16,7 @@ import ast
 import dataclasses
 import hashlib
 import importlib
+import re
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -27,6 +28,7 @@ import numpy as np
 from cablesim.errors import InputError, nearest
 from cablesim.numerics import Array
 from cablesim.quantities import quantity
+from cablesim.units import NUMBER
 
 PACKAGE = Path(__file__).parent
 FOLDER = PACKAGE / "solvers"
@@ -50,9 +52,18 @@ def parameter(
     return field(default=default, metadata=metadata)
 
 
-def option(default: Any, *, meaning: str, at_least: float | None = None, one_of: tuple[str, ...] = ()) -> Any:
+def option(
+    default: Any,
+    *,
+    meaning: str,
+    at_least: float | None = None,
+    at_most: float | None = None,
+    one_of: tuple[str, ...] = (),
+) -> Any:
     """A field of `Options`: a numerical setting of the method, not a property of the line."""
-    return field(default=default, metadata={"meaning": meaning, "at_least": at_least, "one_of": one_of})
+    return field(
+        default=default, metadata={"meaning": meaning, "at_least": at_least, "at_most": at_most, "one_of": one_of}
+    )
 
 
 @dataclass(frozen=True)
@@ -152,29 +163,39 @@ class OptionSpec:
     default: Any
     meaning: str
     at_least: float | None
+    at_most: float | None
     one_of: tuple[str, ...]
+
+    def read_text(self, text: str) -> Any:
+        """The value of an option given as text, as on the command line."""
+        wanted = type(self.default)
+        if wanted is str or not re.fullmatch(NUMBER, text):
+            return self.read(text)
+        return self.read(int(text) if wanted is int and text.lstrip("+-").isdigit() else float(text))
 
     def read(self, value: Any) -> Any:
         """The value in the type of the default. Raises InputError for another type, or outside what is allowed."""
         wanted = type(self.default)
-        if isinstance(value, str) and wanted in (int, float):
-            try:
-                value = wanted(value)
-            except ValueError:
-                raise InputError(f"option {self.name} must be {self.allowed}, not {value!r}") from None
         if wanted is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
-        if type(value) is not wanted or (self.at_least is not None and not value >= self.at_least):
-            raise InputError(f"option {self.name} must be {self.allowed}, not {value!r}")
+        if not isinstance(value, wanted) or isinstance(value, bool) or not self._inside(value):
+            raise InputError(f"option {self.name} must be {self.allowed}, not {value!r:.60}")
+        value = wanted(value)
         if self.one_of and value not in self.one_of:
             raise InputError(f"option {self.name} must be {self.allowed}, not {value!r}: {nearest(value, self.one_of)}")
         return value
+
+    def _inside(self, value: Any) -> bool:
+        low = self.at_least is None or value >= self.at_least
+        return low and (self.at_most is None or value <= self.at_most)
 
     @property
     def allowed(self) -> str:
         if self.one_of:
             return "one of " + ", ".join(self.one_of)
         kind = {int: "a whole number", float: "a number", str: "a word"}[type(self.default)]
+        if self.at_least is not None and self.at_most is not None:
+            return f"{kind} from {self.at_least:g} to {self.at_most:g}"
         return kind if self.at_least is None else f"{kind} >= {self.at_least:g}"
 
 

@@ -14,9 +14,9 @@ from cablesim.errors import InputError
 
 # The unit of a number written without one, which fits any dimension.
 BARE = "any"
-NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?"
+NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?"
 _UNIT_NAME = r"[A-Za-zµμ°%]{1,20}"
-_POWER = r"(?:\s?(?:\^|\*\*)?-?\d)?"
+_POWER = r"(?:\s?(?:\^|\*\*)?-?[0-9])?"
 UNIT = rf"{_UNIT_NAME}{_POWER}(?:(?:\s?[*/·]\s?|\s){_UNIT_NAME}{_POWER}){{0,5}}"
 _VALUE = re.compile(rf"\s*({NUMBER})\s*({UNIT})?\s*")
 
@@ -49,11 +49,22 @@ def factor(given: str, unit: str) -> float:
     import pint
 
     try:
+        if _is_angle(given) != _is_angle(unit):
+            raise InputError(f"the unit '{given}' is of another dimension{_expected(unit)}")
         return float(_unit(given).to(_unit(unit).units).magnitude)
     except pint.errors.DimensionalityError:
         raise InputError(f"the unit '{given}' is of another dimension{_expected(unit)}") from None
-    except (pint.errors.PintError, InputError):
+    except pint.errors.PintError:
         raise InputError(f"unknown unit '{given}'{_expected(unit)}") from None
+
+
+def is_known(unit: str) -> bool:
+    """Whether a unit can be used."""
+    try:
+        _unit(unit)
+    except InputError:
+        return False
+    return True
 
 
 def base_unit(unit: str) -> str:
@@ -92,9 +103,17 @@ def _unit(unit: str) -> Any:
     import pint
 
     try:
-        return _registry().Quantity(1.0, _registry().parse_units(_pint_spelling(unit)))
-    except (pint.errors.PintError, AttributeError, ValueError, TypeError, KeyError):
+        one = _registry().Quantity(1.0, _registry().parse_units(_pint_spelling(unit)))
+        one.to_base_units()
+    except (pint.errors.PintError, AssertionError, AttributeError, ValueError, TypeError, KeyError):
         raise InputError(f"unknown unit '{unit}'") from None
+    if not one._is_multiplicative:
+        raise InputError(f"the unit '{unit}' is no multiple of another: decibels and degrees Celsius are not used here")
+    return one
+
+
+def _is_angle(unit: str) -> bool:
+    return "radian" in str(_unit(unit).to_base_units().units)
 
 
 @cache

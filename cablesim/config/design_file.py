@@ -1,6 +1,7 @@
 """The `design` part of a scene file: a grid, a list of cases or a sample, turned into axes in SI."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,9 +28,7 @@ def read_design(node: Node, parameters: Specs) -> tuple[Design, tuple[Table, ...
     kind, entry = next(iter(keys.items()))
     readers = {"grid": _read_grid, "cases": _read_cases, "sample": _read_sample}
     axes, tables, seed = readers[kind](entry, parameters)
-    size = math.prod(axis.size for axis in axes)
-    if size > MOST_SCENARIOS:
-        entry.fail(f"{size} scenarios are too many: at most {MOST_SCENARIOS}")
+    _check_size(entry, math.prod(axis.size for axis in axes))
     return Design(kind, axes, seed), tables
 
 
@@ -37,11 +36,25 @@ def _read_grid(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[T
     entries = node.mapping(optional=None)
     if not entries:
         node.fail("the grid is empty: at least one axis is needed")
+    _check_size(node, math.prod(_length(entry) for entry in entries.values()))
     axes = []
     for name, entry in entries.items():
         values = _read_axis(entry, _spec(entry, name, parameters))
         axes.append(Axis(name, {name: values}))
     return tuple(axes), (), None
+
+
+def _length(node: Node) -> int:
+    """How many values an axis will have, as far as it can be told before they are made."""
+    if isinstance(node.value, list):
+        return len(node.value)
+    num = node.value.get("num") if isinstance(node.value, dict) else None
+    return num if isinstance(num, int) and num > 0 else 1
+
+
+def _check_size(node: Node, size: int) -> None:
+    if size > MOST_SCENARIOS:
+        node.fail(f"{size} scenarios are too many: at most {MOST_SCENARIOS}")
 
 
 def _read_axis(node: Node, spec: ParameterSpec) -> Array:
@@ -105,6 +118,8 @@ def _read_case_table(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], t
     """One scenario a row; or, with `keys`, one for each way to read the row, at its printed value and at both ends of
     the rounding of its last digit."""
     keys = node.mapping(("table",), ("columns", "keys"))
+    if "keys" in keys and "columns" in keys:
+        node.fail("either columns or keys is expected, not both")
     table = read_table(keys["table"])
     try:
         if "keys" in keys:
@@ -125,22 +140,27 @@ def _table_axis(columns: Node | None, node: Node, table: Table, parameters: Spec
     for name in names:
         place = formulas.get(name, node)
         spec = _spec(place, name, parameters)
-        values[name] = table.evaluate(formulas[name].text() if name in formulas else name)
+        values[name] = table.evaluate(formulas[name].formula() if name in formulas else name, spec.unit)
         _check_column(place, spec, values[name])
     return Axis(SCENARIO, values, {"row": np.arange(table.rows)})
 
 
 def _keyed_axis(node: Node, table: Table, parameters: Specs) -> Axis:
+    if not node.mapping(optional=None):
+        node.fail("at least one key is needed")
     values: dict[str, list[Array]] = {}
     labels: dict[str, list[np.ndarray]] = {"row": [], "key": [], "rounding": []}
     for key, entry in node.mapping(optional=None).items():
         if key not in table.columns:
             entry.fail(f"the table has no column '{key}': {nearest(key, table.columns)}")
-        formulas = {name: formula.text() for name, formula in entry.mapping(optional=None).items()}
+        formulas = {name: formula.formula() for name, formula in entry.mapping(optional=None).items()}
+        if not formulas or (values and set(formulas) != set(values)):
+            given = ", ".join(formulas) or "none"
+            entry.fail(f"every key must give the same parameters, at least one; this one gives {given}")
         for name, formula in formulas.items():
             spec = _spec(entry, name, parameters)
             for rounding, shift in ROUNDINGS.items():
-                column = shifted(table, key, shift).evaluate(formula)
+                column = shifted(table, key, shift).evaluate(formula, spec.unit)
                 _check_column(entry, spec, column)
                 values.setdefault(name, []).append(column)
                 labels["row"].append(np.arange(table.rows))
@@ -155,16 +175,11 @@ def _keyed_axis(node: Node, table: Table, parameters: Specs) -> Axis:
 ROUNDINGS = {"printed": 0.0, "down": -0.5, "up": 0.5}
 
 
-def shifted(table: Table, column: str, units_in_last_place: float) -> Table:
-    """The table with one column moved by some units of its last printed digit."""
-    values = table.numbers(column) + units_in_last_place * last_digit(table.columns[column])
-    return Table(
-        table.path,
-        table.source,
-        {**table.columns, column: tuple(map(repr, values.tolist()))},
-        table.units,
-        table.digest,
-    )
+def shifted(table: Table, column: str, digits: float) -> Table:
+    """The table with the printed values of one column moved by some units of their last digit."""
+    cells = table.columns[column]
+    moved = tuple(repr(float(c) + digits * float(u)) if c else c for c, u in zip(cells, last_digit(cells), strict=True))
+    return replace(table, columns={**table.columns, column: moved})
 
 
 def last_digit(cells: tuple[str, ...]) -> Array:

@@ -4,16 +4,19 @@ YAML 1.2 (so `1e9` is a number, `NO` is a word), no duplicate keys, no tags, anc
 A `Node` is read by asking it for what is expected; anything else is an InputError that names file, line and key.
 """
 
-from collections.abc import Iterator
+import errno
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from cablesim import units
 from cablesim.errors import EnvironmentFault, InputError, nearest
 
-LARGEST_FILE = 2_000_000
+# The reader takes a second for each 100 kB; tables of values belong into CSV files.
+LARGEST_FILE = 200_000
 DEEPEST = 12
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -83,8 +86,17 @@ class Node:
 
     def number(self, unit: str) -> float:
         """A finite number in the SI unit, converted if it is written with another."""
+        return self.located(units.to_si, self.value, unit)
+
+    def formula(self) -> str:
+        """The text of a formula; a bare number is one too."""
+        is_number = isinstance(self.value, int | float) and not isinstance(self.value, bool)
+        return str(self.value) if is_number else self.text(1000)
+
+    def located(self, check: Callable[..., T], *arguments: Any) -> T:
+        """Call something that knows nothing of files; its InputError gets the place of this value."""
         try:
-            return units.to_si(self.value, unit)
+            return check(*arguments)
         except InputError as problem:
             self.fail(str(problem))
 
@@ -113,6 +125,8 @@ def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file in UTF-8") from None
     except (OSError, ValueError) as problem:
+        if getattr(problem, "errno", None) == errno.ENAMETOOLONG:
+            raise InputError(f"{str(path)[:60]}...: the name is too long") from None
         raise EnvironmentFault(f"{path}: cannot be read ({getattr(problem, 'strerror', None) or problem})") from None
 
 
@@ -153,6 +167,8 @@ def _forbidden(text: str) -> Iterator[tuple[str, int]]:
         for kind, word in words.items():
             if isinstance(token, kind):
                 yield f"YAML {word} are not used here", line
+        if isinstance(token, t.ScalarToken) and token.plain and token.value == "<<":
+            yield "YAML merge keys (<<) are not used here", line
         if depth > DEEPEST:
             yield f"nested more than {DEEPEST} deep", line
         if documents > 1:

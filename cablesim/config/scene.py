@@ -1,7 +1,7 @@
 """Scene files: one question each, read strictly, with everything checked against the solvers before anything runs."""
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -10,13 +10,16 @@ import numpy as np
 
 from cablesim.config.design_file import read_design
 from cablesim.config.document import Node, is_name, read_document
+from cablesim.config.figure_file import Figure, Stage, read_figures
+from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table, read_table
 from cablesim.design import Design
 from cablesim.errors import InputError, nearest
-from cablesim.expressions import parse
+from cablesim.quantities import quantity
 from cablesim.solver import ParameterSpec, Solver, check_given, load_solver
 
-FIGURE_KINDS = ("curves", "map", "profiles", "audit")
+# Words that have a meaning of their own in formulas.
+TAKEN = ("table", "method", "status", "and", "or", "not")
 
 
 @dataclass(frozen=True)
@@ -62,15 +65,6 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class Figure:
-    """What a picture shows; the settings were checked for their kind."""
-
-    name: str
-    kind: str
-    settings: dict[str, Any]
-
-
-@dataclass(frozen=True)
 class Scene:
     """A scene file, read and checked."""
 
@@ -113,10 +107,13 @@ def read_scene(path: Path) -> Scene:
     design, tables = read_design(keys["design"], parameters)
     fixed = _read_fixed(keys["fixed"], parameters, design) if "fixed" in keys else {}
     outputs = _read_outputs(keys["outputs"], methods)
-    reference = _read_reference(keys["reference"], methods, outputs) if "reference" in keys else None
-    published = _read_published(keys["published"]) if "published" in keys else None
-    figures = _read_figures(keys["figures"], outputs) if "figures" in keys else ()
-    _check_methods(keys["methods"], methods, design, fixed)
+    _check_methods(keys["methods"], methods, design, fixed, outputs)
+    reference = _read_reference(keys["reference"], methods, outputs, design) if "reference" in keys else None
+    names = Rehearsal(design, fixed, tuple(method.name for method in methods), outputs)
+    published = _read_published(keys["published"], names) if "published" in keys else None
+    points = published.table if published else reference.table if reference else None
+    stage = Stage(names, points, audited=published is not None)
+    figures = read_figures(keys["figures"], stage) if "figures" in keys else ()
     used = [*tables, *(item.table for item in (reference, published) if item is not None and item.table is not None)]
     return Scene(
         name=path.stem,
@@ -142,14 +139,14 @@ def _read_methods(node: Node) -> tuple[Method, ...]:
 
 
 def _read_method(name: str, node: Node) -> Method:
-    if not is_name(name):
-        node.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
+    if not is_name(name) or name in TAKEN:
+        node.fail(f"{name!r:.60} cannot name a method (letters, digits, underscores; not {', '.join(TAKEN)})")
     keys = node.mapping(("solver",), ("options", "ignores"))
-    solver = located(keys["solver"], load_solver, keys["solver"].text())
+    solver = keys["solver"].located(load_solver, keys["solver"].text())
     options = (
         {key: entry.value for key, entry in keys["options"].mapping(optional=None).items()} if "options" in keys else {}
     )
-    made = located(keys.get("options", node), solver.make_options, options)
+    made = keys.get("options", node).located(solver.make_options, options)
     ignores = frozenset(entry.text() for entry in keys["ignores"].sequence()) if "ignores" in keys else frozenset()
     for ignored in ignores & set(solver.parameters):
         keys["ignores"].fail(f"{solver.name} has the parameter '{ignored}': it cannot ignore it")
@@ -168,7 +165,7 @@ def _read_fixed(node: Node, parameters: dict[str, ParameterSpec], design: Design
         if name in design.parameters:
             entry.fail(f"'{name}' varies in the design: it cannot be fixed as well")
         fixed[name] = entry.number(parameters[name].unit)
-        located(entry, parameters[name].check, np.array([fixed[name]]))
+        entry.located(parameters[name].check, np.array([fixed[name]]))
     return fixed
 
 
@@ -179,12 +176,12 @@ def _read_outputs(node: Node, methods: tuple[Method, ...]) -> tuple[str, ...]:
         if name in names:
             entry.fail(f"the output '{name}' is listed twice")
         for method in methods:
-            located(entry, method.solver.check_outputs, (name,))
+            entry.located(method.solver.check_outputs, (name,))
         names.append(name)
     return tuple(names)
 
 
-def _read_reference(node: Node, methods: tuple[Method, ...], outputs: tuple[str, ...]) -> Reference:
+def _read_reference(node: Node, methods: tuple[Method, ...], outputs: tuple[str, ...], design: Design) -> Reference:
     if isinstance(node.value, str):
         return Reference(method=node.choice(tuple(method.name for method in methods)))
     keys = node.mapping(("table",), ("columns",))
@@ -198,106 +195,75 @@ def _read_reference(node: Node, methods: tuple[Method, ...], outputs: tuple[str,
         columns = {name: name for name in table.columns if name in outputs}
     if not columns:
         node.fail("no column of the table is an output of this scene: say which with columns: {output: formula}")
-    for formula in columns.values():
-        located(node, table.evaluate, formula)
+    for output, formula in columns.items():
+        node.located(table.evaluate, formula, quantity(output).unit)
+    rows = design.axes[0].labels.get("row") if len(design.axes) == 1 else None
+    if rows is None or rows.max() + 1 != table.rows:
+        node.fail(f"{table.path}: a reference table needs a design of cases read from a table with the same rows")
     return Reference(table=table, columns=columns)
 
 
-def _read_published(node: Node) -> Published:
+def _read_published(node: Node, names: Rehearsal) -> Published:
     keys = node.mapping(("table", "columns"), ("within", "printed_to"))
     table = read_table(keys["table"])
-    columns = {name: _formula(entry) for name, entry in keys["columns"].mapping(optional=None).items()}
+    rehearsal = replace(names, table=table)
+    columns = {}
+    for name, entry in _entries(keys["columns"], table).items():
+        columns[name] = entry.formula()
+        along = entry.located(rehearsal.number, columns[name]) - ({METHOD} if len(names.methods) == 1 else set())
+        if along != {axis.name for axis in names.design.axes} or len(along) != 1:
+            entry.fail("one value for each row of the table is expected, along the only axis of the scene")
+    if not columns:
+        keys["columns"].fail("at least one column is needed")
     printed_to = {}
-    for part in ("columns", "printed_to"):
-        for name, entry in keys[part].mapping(optional=None).items() if part in keys else ():
-            if name not in table.columns:
-                entry.fail(f"the table has no column '{name}': {nearest(name, table.columns)}")
-            if part == "printed_to":
-                printed_to[name] = entry.number("1")
-    within = keys["within"].number("1") if "within" in keys else 0.5
-    return Published(table, columns, within, printed_to)
+    for name, entry in _entries(keys["printed_to"], table).items() if "printed_to" in keys else ():
+        printed_to[name] = _not_negative(entry)
+    _check_rows(keys["table"], table, names.design)
+    return Published(table, columns, _not_negative(keys["within"]) if "within" in keys else 0.5, printed_to)
 
 
-def _read_figures(node: Node, outputs: tuple[str, ...]) -> tuple[Figure, ...]:
-    figures = []
-    for name, entry in node.mapping(optional=None).items():
-        if not is_name(name):
-            entry.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
-        kind = entry.mapping(("kind",), None)["kind"].choice(FIGURE_KINDS)
-        figures.append(Figure(name, kind, _FIGURE_READERS[kind](entry)))
-        if kind == "profiles" and "profile" not in outputs:
-            entry.fail("a figure of profiles needs the output 'profile'")
-    return tuple(figures)
+def _entries(node: Node, table: Table) -> dict[str, Node]:
+    entries = node.mapping(optional=None)
+    for name, entry in entries.items():
+        if name not in table.columns:
+            entry.fail(f"the table has no column '{name}': {nearest(name, table.columns)}")
+    return entries
 
 
-def _read_curves(node: Node) -> dict[str, Any]:
-    keys = node.mapping(("kind", "x", "y"), ("where", "points", "log", "x_label", "y_label", "each"))
-    lines = keys["y"].mapping(optional=None) if isinstance(keys["y"].value, dict) else {"": keys["y"]}
-    settings: dict[str, Any] = {
-        "x": _formula(keys["x"]),
-        "y": {name: _formula(entry) for name, entry in lines.items()},
-        "log": keys["log"].choice(("x", "y", "xy")) if "log" in keys else "",
-        "points": {},
-    }
-    if "points" in keys:
-        settings["points"] = {name: entry.text() for name, entry in keys["points"].mapping(("x",), None).items()}
-    return settings | _texts(keys, ("x_label", "y_label", "each")) | _condition(keys)
+def _check_rows(node: Node, table: Table, design: Design) -> None:
+    """Every row must be a scenario: by its number, or by the value of its first column on the scene's axis."""
+    axis, head = design.axes[0], next(iter(table.columns))
+    if "row" in axis.labels:
+        if set(axis.labels["row"].tolist()) != set(range(table.rows)):
+            node.fail("the scene's cases come from a table with other rows")
+        return
+    if head not in axis.columns:
+        node.fail(f"its first column, {head}, must be an axis of the scene")
+    for row, value in enumerate(table.numbers(head)):
+        if value not in axis.columns[head]:
+            node.fail(f"row {row + 1}: {head} = {value:g} is not on the axis of the scene")
 
 
-def _read_map(node: Node) -> dict[str, Any]:
-    keys = node.mapping(("kind", "x", "y", "value"), ("log", "label", "where"))
-    settings = {name: _formula(keys[name]) for name in ("x", "y", "value")}
-    settings["log"] = (
-        keys["log"].choice(("x", "y", "xy", "value", "x value", "y value", "xy value")) if "log" in keys else ""
-    )
-    return settings | _texts(keys, ("label",)) | _condition(keys)
+def _not_negative(node: Node) -> float:
+    value = node.number("1")
+    if value < 0.0:
+        node.fail(f"a number >= 0 is expected, not {value:g}")
+    return value
 
 
-def _read_profiles(node: Node) -> dict[str, Any]:
-    keys = node.mapping(("kind",), ("at",))
-    at = (
-        {name: [item.value for item in entry.sequence()] for name, entry in keys["at"].mapping(optional=None).items()}
-        if "at" in keys
-        else {}
-    )
-    return {"at": at}
-
-
-def _read_audit(node: Node) -> dict[str, Any]:
-    node.mapping(("kind",))
-    return {}
-
-
-_FIGURE_READERS = {"curves": _read_curves, "map": _read_map, "profiles": _read_profiles, "audit": _read_audit}
-
-
-def _texts(keys: dict[str, Node], names: tuple[str, ...]) -> dict[str, str]:
-    return {name: keys[name].text() for name in names if name in keys}
-
-
-def _condition(keys: dict[str, Node]) -> dict[str, str]:
-    return {"where": _formula(keys["where"])} if "where" in keys else {}
-
-
-def _formula(node: Node) -> str:
-    text = str(node.value) if isinstance(node.value, int | float) else node.text()
-    located(node, parse, text)
-    return text
-
-
-def _check_methods(node: Node, methods: tuple[Method, ...], design: Design, fixed: dict[str, float]) -> None:
+def _check_methods(
+    node: Node, methods: tuple[Method, ...], design: Design, fixed: dict[str, float], outputs: tuple[str, ...]
+) -> None:
     """Every method must have, or say that it ignores, every parameter; and be given all it needs."""
     given = design.parameters | set(fixed)
+    if any(quantity(name).dims for name in outputs) and len({method.options.get("nodes") for method in methods}) > 1:
+        node.fail("all methods of a scene with profiles must have the same number of nodes")
     for method in methods:
         place = node.mapping(optional=None)[method.name]
+        for name in sorted(method.ignores - given):
+            place.mapping(optional=None)["ignores"].fail(
+                f"no scenario has a parameter '{name}': {nearest(name, given)}"
+            )
         for name in sorted(given - method.parameters - method.ignores):
             place.fail(f"{method.solver.name} has no parameter '{name}': say 'ignores: [{name}]' if that is meant")
-        located(place, check_given, method.solver.module.Parameters, given & method.parameters)
-
-
-def located(node: Node, check: Any, *arguments: Any) -> Any:
-    """Call something that knows nothing of files; its InputError gets the place of the value."""
-    try:
-        return check(*arguments)
-    except InputError as problem:
-        node.fail(str(problem))
+        place.located(check_given, method.solver.module.Parameters, given & method.parameters)

@@ -15,6 +15,7 @@ from cablesim.errors import InputError, nearest
 from cablesim.expressions import BARE, Term, UnknownName, parse
 
 LARGEST_TABLE = 200_000_000
+_CELL = re.compile(units.NUMBER)
 _HEAD = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*(?:\[([^\]]{1,40})\])?\s*")
 
 
@@ -50,18 +51,23 @@ class Table:
             self._numbers[column] = scale * np.array([self._number(column, row, cell) for row, cell in cells])
         return self._numbers[column]
 
-    def evaluate(self, formula: str) -> np.ndarray:
-        """A formula over the columns, one value a row. Raises InputError for an unknown column."""
+    def evaluate(self, formula: str, unit: str = BARE) -> np.ndarray:
+        """A formula over the columns, one value a row.
+
+        Raises InputError for an unknown column, or where the columns have units and do not give `unit`.
+        """
         expression = parse(formula)
         for name in expression.names:
             self.numbers(name)
         try:
-            values = expression.evaluate(self._term)
+            term = expression.term(self._term, checking=bool(self.units))
         except UnknownName as unknown:
             raise InputError(
                 f"{self.path}: no column '{unknown.name}': {nearest(unknown.name, self.columns)}"
             ) from None
-        return np.broadcast_to(np.asarray(values, dtype=float), (self.rows,)).copy()
+        if BARE not in (unit, term.unit) and not units.compatible(unit, term.unit):
+            raise InputError(f"{self.path}: '{formula}' is in {term.unit}, a value in {unit} is expected")
+        return np.broadcast_to(np.asarray(term.values, dtype=float), (self.rows,)).copy()
 
     def _term(self, name: str) -> Term:
         unit = self.units.get(name)
@@ -70,10 +76,9 @@ class Table:
     def _number(self, column: str, row: int, cell: str) -> float:
         if not cell.strip():
             return float("nan")
-        try:
-            number = float(cell)
-        except ValueError:
-            raise InputError(f"{self.path}: row {row + 1}, column '{column}': {cell[:40]!r} is not a number") from None
+        number = float(cell) if _CELL.fullmatch(cell) else None
+        if number is None:
+            raise InputError(f"{self.path}: row {row + 1}, column '{column}': {cell[:40]!r} is not a number")
         if not np.isfinite(number):
             raise InputError(f"{self.path}: row {row + 1}, column '{column}': {cell[:40]!r} is not a finite number")
         return number
@@ -96,7 +101,10 @@ def read_table(node: Node) -> Table:
 def _parse(path: Path, text: str) -> Table:
     lines = text.splitlines()
     source = " ".join(line.lstrip("# ").strip() for line in lines if line.startswith("#"))
-    rows = [row for row in csv.reader(line for line in lines if not line.startswith("#")) if row]
+    try:
+        rows = [row for row in csv.reader(line for line in lines if not line.startswith("#")) if row]
+    except csv.Error as problem:
+        raise InputError(f"{path}: not a table that can be read ({problem})") from None
     if len(rows) < 2:
         raise InputError(f"{path}: a head and at least one row are expected")
     heads = [_HEAD.fullmatch(head) for head in rows[0]]
@@ -115,4 +123,7 @@ def _parse(path: Path, text: str) -> Table:
         for name, cells in zip(names, zip(*rows[1:], strict=True), strict=True)
     }
     given = {head[1]: head[2] for head in heads if head and head[2]}
+    for name, unit in given.items():
+        if not units.is_known(unit):
+            raise InputError(f"{path}: column '{name}': unknown unit '{unit}'")
     return Table(path, source, columns, given, hashlib.sha256(text.encode()).hexdigest()[:16])

@@ -41,56 +41,65 @@ def compare(results_a: Path, results_b: Path, tolerance: float = 0.0) -> pd.Data
 
 
 def _compare_scene(scene: str, a: xr.Dataset, b: xr.Dataset, tolerance: float) -> list[dict[str, object]]:
-    keys = sorted(_keys(a) | _keys(b))
-    if _keys(a) != _keys(b):
-        differing = ", ".join(sorted(_keys(a) ^ _keys(b)))
+    keys = _keys(a)
+    if keys != _keys(b):
+        differing = ", ".join(sorted(keys ^ _keys(b)))
         return [{"scene": scene, "output": f"other parameters: {differing}", "differs": True}]
-    outputs_a, outputs_b = _outputs(a), _outputs(b)
-    table_a, table_b = query(a, None, (*keys, *outputs_a)), query(b, None, (*keys, *outputs_b))
-    both = table_a.merge(table_b, on=keys, how="outer", suffixes=("|a", "|b"), indicator="side")
+    both = _scenarios(a, keys).merge(_scenarios(b, keys), on=sorted(keys), how="outer", indicator="side")
     removed, added = int((both["side"] == "left_only").sum()), int((both["side"] == "right_only").sum())
     both = both[both["side"] == "both"]
+    in_a, in_b = (both[f"place_{side}"].to_numpy(dtype=np.int64) for side in ("x", "y"))
     shared = {"scene": scene, "in both": len(both), "removed": removed, "added": added}
     rows: list[dict[str, object]] = []
-    for output in sorted(set(outputs_a) | set(outputs_b)):
-        if output not in outputs_a or output not in outputs_b:
-            where = "only in A" if output in outputs_a else "only in B"
+    for output in sorted(_outputs(a) | _outputs(b)):
+        if output not in _outputs(a) or output not in _outputs(b):
+            where = "only in A" if output in _outputs(a) else "only in B"
             rows.append({**shared, "output": f"{output} ({where})", "differs": True})
             continue
-        change = _change(both[f"{output}|a"].to_numpy(), both[f"{output}|b"].to_numpy(), tolerance)
+        values_a, values_b = _by_scenario(a, output), _by_scenario(b, output)
+        if values_a.shape[1] != values_b.shape[1]:
+            rows.append({**shared, "output": f"{output} (other nodes)", "differs": True})
+            continue
+        change = _change(values_a[in_a], values_b[in_b], tolerance)
         rows.append(
             {**shared, "output": output, **change, "differs": bool(change["beyond tolerance"] or removed or added)}
         )
     return rows
 
 
+def _scenarios(dataset: xr.Dataset, keys: set[str]) -> pd.DataFrame:
+    """The parameters of every scenario, and its place in the dataset."""
+    table = query(dataset, None, tuple(sorted(keys)))
+    return table.assign(place=np.arange(len(table)))
+
+
 def _keys(dataset: xr.Dataset) -> set[str]:
     """What identifies a scenario: its method and parameters, not its running number."""
-    names = {
-        str(name)
-        for name in dataset.coords
-        if dataset[name].dims and set(dataset[name].dims) <= set(dataset.status.dims)
-    }
-    return names - {"scenario"} | {str(name) for name in dataset.coords if not dataset[name].dims}
+    scenario_dims = set(dataset.status.dims)
+    return {str(name) for name in dataset.coords if set(dataset[name].dims) <= scenario_dims} - {"scenario"}
 
 
-def _outputs(dataset: xr.Dataset) -> tuple[str, ...]:
-    dims = set(dataset.status.dims)
-    return tuple(str(n) for n in dataset.data_vars if set(dataset[n].dims) == dims and n != "run_time")
+def _outputs(dataset: xr.Dataset) -> set[str]:
+    return {str(name) for name in dataset.data_vars} - {"run_time"}
+
+
+def _by_scenario(dataset: xr.Dataset, output: str) -> np.ndarray:
+    """Values of shape (scenario, number of values in one scenario)."""
+    values = dataset[output].transpose(*dataset.status.dims, ...).values
+    return values.reshape(dataset.status.size, -1)
 
 
 def _change(a: np.ndarray, b: np.ndarray, tolerance: float) -> dict[str, float | int]:
+    """How many scenarios changed beyond the tolerance, and the largest change of any of their values."""
     if a.dtype.kind != "f":
-        return {"beyond tolerance": int((a != b).sum())}
-    absolute = np.abs(b - a)
-    scale = np.maximum(np.abs(a), np.abs(b))
+        return {"beyond tolerance": int((a != b).any(axis=1).sum())}
     same = (a == b) | (np.isnan(a) & np.isnan(b))
     with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.where(same, 0.0, absolute / scale)
-    beyond = ~same & ~(relative <= tolerance)
-    finite = absolute[np.isfinite(absolute)]
+        absolute = np.where(same, 0.0, np.abs(b - a))
+        relative = np.where(same, 0.0, absolute / np.maximum(np.abs(a), np.abs(b)))
+    beyond = (~same & ~(relative <= tolerance)).any(axis=1)
     return {
         "beyond tolerance": int(beyond.sum()),
-        "largest change": float(finite.max()) if finite.size else 0.0,
+        "largest change": float(np.nanmax(absolute, initial=0.0)),
         "relative": float(np.nanmax(relative, initial=0.0)),
     }

@@ -88,7 +88,8 @@ def _as_csv(table: pd.DataFrame) -> bytes:
 
 
 def _as_json(table: pd.DataFrame) -> bytes:
-    rows = json.loads(table.to_json(orient="records", double_precision=15))
+    finite = table.astype(object).where(table.notna(), None)
+    rows = finite.to_dict("records")
     return (json.dumps({"units": units_of(table), "rows": rows}) + "\n").encode()
 
 

@@ -91,7 +91,8 @@ def _explained(
     try:
         return xr.DataArray(answer(expression, scene_lookup(dataset, table)))
     except UnknownName as unknown:
-        names = [str(name) for name in dataset.variables]
+        methods, outputs = dataset.method.values.tolist(), [str(name) for name in dataset.data_vars]
+        names = [*map(str, dataset.variables), *(f"{m}.{output}" for m in methods for output in outputs)]
         raise InputError(f"unknown name '{unknown.name}': {nearest(unknown.name, names)}") from None
 
 

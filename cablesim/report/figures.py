@@ -8,7 +8,8 @@ import matplotlib
 import numpy as np
 import xarray as xr
 
-from cablesim.config.scene import Figure, Scene
+from cablesim.config.figure_file import Figure
+from cablesim.config.scene import Scene
 from cablesim.database.reading import evaluate, of_method, select
 from cablesim.errors import InputError
 from cablesim.files import written_whole
@@ -68,7 +69,7 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     chosen = dataset if "where" not in settings else dataset.where(select(dataset, settings["where"]))
     drawn, axes = plt.subplots()
     for number, (label, formula) in enumerate(settings["y"].items()):
-        for part, shade, suffix in _each(chosen, settings.get("each")):
+        for part, shade, suffix in _each(chosen, settings["each"]):
             x, y = xr.broadcast(evaluate(part, settings["x"]), evaluate(part, formula))
             shaded = shade is not None
             style: Any = {
@@ -76,13 +77,15 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
                 "linestyle": DASHES[number % 4 if shaded else 0],
             }
             name = (suffix if number == 0 else None) if shaded else label
-            axes.plot(x.values.ravel(), y.values.ravel(), label=name, **style)
-        if "each" in settings and len(settings["y"]) > 1:
-            axes.plot([], [], label=label, color="black", linestyle=DASHES[number % 4])
+            axes.plot(x.values.ravel(), y.values.ravel(), label=name and _plain(name), **style)
+        if settings["each"] and len(settings["y"]) > 1:
+            axes.plot([], [], label=_plain(label), color="black", linestyle=DASHES[number % 4])
     _printed_points(scene, axes, settings["points"])
     _scales(axes, settings["log"])
     axes.set(
-        title=scene.title, xlabel=settings.get("x_label") or _label(settings["x"]), ylabel=settings.get("y_label", "")
+        title=_plain(scene.title),
+        xlabel=_plain(settings["x_label"]) if "x_label" in settings else _label(settings["x"]),
+        ylabel=_plain(settings.get("y_label", "")),
     )
     lines = len(axes.get_legend_handles_labels()[0])
     if lines > MOST_LEGEND_LINES:
@@ -97,8 +100,6 @@ def _each(dataset: xr.Dataset, name: str | None) -> Iterator[tuple[xr.Dataset, A
     if name is None:
         yield dataset, None, ""
         return
-    if name not in dataset.dims:
-        raise InputError(f"'{name}' is not an axis of this scene")
     shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[name]))
     for i, shade in enumerate(shades):
         yield dataset.isel({name: i}), shade, f"{_word(name)} = {float(dataset[name][i]):g}"
@@ -106,14 +107,12 @@ def _each(dataset: xr.Dataset, name: str | None) -> Iterator[tuple[xr.Dataset, A
 
 def _printed_points(scene: Scene, axes: Any, points: dict[str, str]) -> None:
     table = scene.published.table if scene.published else scene.reference.table if scene.reference else None
-    if not points:
+    if not points or table is None:
         return
-    if table is None:
-        raise InputError("points need a published table or a reference table")
     x = table.evaluate(points["x"])
     for number, (label, formula) in enumerate((k, v) for k, v in points.items() if k != "x"):
         colour = PALETTE[number % len(PALETTE)]
-        axes.plot(x, table.evaluate(formula), "o", color=colour, markerfacecolor="white", label=label)
+        axes.plot(x, table.evaluate(formula), "o", color=colour, markerfacecolor="white", label=_plain(label))
 
 
 def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -132,12 +131,12 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     shown = np.ma.masked_invalid(np.where(value.values > 0.0, value.values, np.nan) if logarithmic else value.values)
     axes.set_facecolor("#DDDDDD")
     mesh = axes.pcolormesh(x.values, y.values, shown, norm=norm, shading="nearest", cmap="viridis", rasterized=True)
-    drawn.colorbar(mesh, ax=axes, label=settings.get("label", settings["value"]))
+    drawn.colorbar(mesh, ax=axes, label=_plain(settings.get("label", settings["value"])))
     _scales(axes, settings["log"].replace("value", "").strip())
     axes.grid(visible=False)
     missing = value.size - finite.size
     note = f"\ngrey: no solution ({missing} of {value.size})" if missing and "where" not in settings else ""
-    axes.set(title=scene.title + note, xlabel=_label(settings["x"]), ylabel=_label(settings["y"]))
+    axes.set(title=_plain(scene.title) + note, xlabel=_label(settings["x"]), ylabel=_label(settings["y"]))
     return drawn
 
 
@@ -153,20 +152,16 @@ def _profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         axes.set(title=heading, xlabel="x [m]", aspect="equal")
     grid[0][0].set_ylabel("z [m]")
     grid[0][0].legend(loc="upper center")
-    drawn.suptitle(scene.title)
+    drawn.suptitle(_plain(scene.title))
     return drawn
 
 
-def _profile_panels(dataset: xr.Dataset, at: dict[str, list[Any]]) -> Iterator[tuple[str, xr.Dataset]]:
-    if len(at) != 1:
-        raise InputError("'at' must name one parameter and its values")
+def _profile_panels(dataset: xr.Dataset, at: dict[str, list[float]]) -> Iterator[tuple[str, xr.Dataset]]:
+    """The scenarios nearest to the wanted values of the one parameter."""
     name, values = next(iter(at.items()))
-    if name not in dataset.coords or dataset[name].ndim != 1:
-        raise InputError(f"'{name}' does not vary in this scene")
     for value in values:
-        where = int(np.abs(dataset[name].values - float(value)).argmin())
-        found = float(dataset[name][where])
-        yield f"{_word(name)} {found:g}", dataset.isel({dataset[name].dims[0]: where})
+        where = int(np.abs(dataset[name].values - value).argmin())
+        yield f"{_word(name)} {float(dataset[name][where]):g}", dataset.isel({dataset[name].dims[0]: where})
 
 
 def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -203,20 +198,27 @@ def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     labels = [f"{flag} ({counts.get(flag, 0)})" for flag in FLAG_COLOURS]
     labels[flags.index(MISPRINT)] += ": printed (exact)"
     drawn.legend(handles, labels, loc="outside lower center", ncols=3)
-    drawn.suptitle(scene.title)
+    drawn.suptitle(_plain(scene.title))
     return drawn
 
 
 def _scales(axes: Any, log: str) -> None:
-    if "x" in log:
-        axes.set_xscale("log")
-    if "y" in log:
-        axes.set_yscale("log")
+    """Logarithmic axes, where there is anything positive to show on them."""
+    lines = [line.get_xydata() for line in axes.get_lines()]
+    points = np.concatenate([np.asarray(line) for line in lines]) if lines else np.ones((1, 2))
+    for column, (name, set_scale) in enumerate((("x", axes.set_xscale), ("y", axes.set_yscale))):
+        if name in log and (points[:, column] > 0.0).any():
+            set_scale("log", nonpositive="mask")
 
 
 def _label(formula: str) -> str:
     """The label of a quantity where a formula is just its name; else the formula itself."""
-    return QUANTITIES[formula].label if formula in QUANTITIES else formula.replace("_", " ")
+    return QUANTITIES[formula].label if formula in QUANTITIES else _plain(formula.replace("_", " "))
+
+
+def _plain(text: str) -> str:
+    """A user's text as it stands: a dollar sign starts no formula."""
+    return text.replace("$", r"\$")
 
 
 def _word(name: str) -> str:

@@ -97,7 +97,7 @@ def _reference_values(scene: Scene, dataset: xr.Dataset, output: str) -> xr.Data
         return of_method(dataset[output], scene.reference.method)
     if output not in scene.reference.columns or scene.reference.table is None:
         return None
-    values = scene.reference.table.evaluate(scene.reference.columns[output])
+    values = scene.reference.table.evaluate(scene.reference.columns[output], quantity(output).unit)
     return xr.DataArray(values[dataset.row.values], dims="scenario")
 
 

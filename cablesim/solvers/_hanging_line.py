@@ -68,7 +68,7 @@ OUTPUTS = (
 class Options:
     """Numerical options of a hanging line: none of them changes a scalar output."""
 
-    nodes: int = option(101, at_least=2, meaning="nodes of the profile")
+    nodes: int = option(101, at_least=2, at_most=100_000, meaning="nodes of the profile")
 
 
 def solve_level(formula: Formula, p: LevelLine, options: Options) -> Solution:

@@ -1,0 +1,95 @@
+"""A dress rehearsal of a scene's formulas, while it is read: do the names exist, the units fit, the axes suffice?
+
+Every name stands for an array that is two long along each of its dimensions and one long along the others, so that the
+dimensions of a formula can be read off the shape of its value. Nothing is solved.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cablesim.config.table import Table
+from cablesim.design import SCENARIO, Design
+from cablesim.errors import InputError, nearest
+from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
+from cablesim.quantities import quantity
+from cablesim.status import Status
+
+METHOD = "method"
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """What the names of a scene will stand for."""
+
+    design: Design
+    fixed: dict[str, float]
+    methods: tuple[str, ...]
+    outputs: tuple[str, ...]
+    table: Table | None = None
+
+    def number(self, formula: str) -> set[str]:
+        """The dimensions along which a formula varies. Raises InputError for an unknown name or a wrong unit."""
+        return self._varies(self._answered(lambda: parse(formula).evaluate(self.lookup)))
+
+    def condition(self, text: str) -> set[str]:
+        """The dimensions along which a condition varies."""
+        return self._varies(self._answered(lambda: parse(text).select(self.lookup)))
+
+    def lookup(self, name: str) -> Term | None:
+        """The stand-in for a name; None where it stands for nothing."""
+        head, _, tail = name.rpartition(".")
+        if head == "table" and self.table is not None and tail in self.table.columns:
+            return Term(self._along((SCENARIO,)), BARE)
+        if head:
+            return self._output(tail, ()) if head in self.methods and tail in (*self.outputs, "run_time") else None
+        if name == METHOD:
+            return Term(self._words((METHOD,), self.methods), WORDS, self.methods)
+        if name == "status":
+            words = tuple(status.name for status in Status)
+            return Term(self._words(self._scenario_dims, words), WORDS, words)
+        if name in (*self.outputs, "run_time"):
+            return self._output(name, (METHOD,))
+        for axis in self.design.axes:
+            if name in axis.columns:
+                return Term(self._along((axis.name,)), quantity(name).unit)
+            if name == axis.name or axis.labels.get(name, np.array("")).dtype.kind == "i":
+                return Term(self._along((axis.name,)), BARE)
+            if name in axis.labels:
+                words = tuple(np.unique(axis.labels[name]).tolist())
+                return Term(self._words((axis.name,), words), WORDS, words)
+        return Term(np.array(self.fixed[name]), quantity(name).unit) if name in self.fixed else None
+
+    @property
+    def _dims(self) -> tuple[str, ...]:
+        return (METHOD, *(axis.name for axis in self.design.axes), "node", "component")
+
+    @property
+    def _scenario_dims(self) -> tuple[str, ...]:
+        return self._dims[:-2]
+
+    def _output(self, name: str, leading: tuple[str, ...]) -> Term:
+        dims = (*leading, *self._scenario_dims[1:], *quantity(name).dims)
+        return Term(self._along(dims), quantity(name).unit)
+
+    def _along(self, dims: tuple[str, ...]) -> np.ndarray:
+        return np.ones([2 if dim in dims else 1 for dim in self._dims])
+
+    def _words(self, dims: tuple[str, ...], words: tuple[str, ...]) -> np.ndarray:
+        return np.full([2 if dim in dims else 1 for dim in self._dims], words[0])
+
+    def _varies(self, value: np.ndarray) -> set[str]:
+        shape = np.shape(value)
+        return {dim for dim, size in zip(self._dims, shape, strict=True) if size > 1} if shape else set()
+
+    def _answered(self, answer) -> np.ndarray:  # type: ignore[no-untyped-def]
+        try:
+            return answer()
+        except UnknownName as unknown:
+            raise InputError(f"unknown name '{unknown.name}': {nearest(unknown.name, self._names)}") from None
+
+    @property
+    def _names(self) -> list[str]:
+        varying = [name for axis in self.design.axes for name in (axis.name, *axis.columns, *axis.labels)]
+        qualified = [f"{method}.{output}" for method in self.methods for output in self.outputs]
+        return [*self.outputs, *qualified, *varying, *self.fixed, METHOD, "status", "run_time"]
