@@ -46,6 +46,8 @@ def factor(given: str, unit: str) -> float:
 
     Raises InputError for an unknown unit or one of another dimension.
     """
+    if _powers(given) == _powers(unit):
+        return 1.0
     import pint
 
     try:
@@ -56,6 +58,14 @@ def factor(given: str, unit: str) -> float:
         raise InputError(f"the unit '{given}' is of another dimension{_expected(unit)}") from None
     except pint.errors.PintError:
         raise InputError(f"unknown unit '{given}'{_expected(unit)}") from None
+
+
+def _powers(unit: str) -> dict[str, int]:
+    """Names and powers of a product of units: "N/m" and "N m-1" are the same, and need no unit library to say so."""
+    powers: dict[str, int] = {}
+    for sign, name, power in re.findall(rf"([*/·]?)\s?({_UNIT_NAME})\s?(?:\^|\*\*)?(-?[0-9])?", unit):
+        powers[name] = powers.get(name, 0) + (-1 if sign == "/" else 1) * int(power or 1)
+    return powers
 
 
 def is_known(unit: str) -> bool:

@@ -18,7 +18,8 @@ from cablesim.solver import load_solver
 
 # Values in a chunk: large enough to compress well, small enough to read a part.
 CHUNK = 2**17
-COMPRESSION = {"compression": "zlib", "complevel": 1, "shuffle": True, "fletcher32": True}
+# Not compressed: a shard is read once or twice, and zlib would cost ten times what writing it costs.
+STORAGE = {"fletcher32": True}
 
 
 def solve_recipe(recipe: Recipe) -> Results:
@@ -87,7 +88,7 @@ def chunk_sizes(shape: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _write(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:
-    settings = {**COMPRESSION, "chunksizes": chunk_sizes(values.shape)} if dims else {}
+    settings = {**STORAGE, "chunksizes": chunk_sizes(values.shape)} if dims else {}
     variable = file.createVariable(name, values.dtype, dims, fill_value=False, **settings)
     variable[...] = values
     if name != "status":

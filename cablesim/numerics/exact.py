@@ -11,13 +11,6 @@ from cablesim.numerics import Array
 SPLITTER = 2.0**27 + 1.0
 
 
-def two_sum(a: Array, b: Array) -> tuple[Array, Array]:
-    """a + b as (rounded sum, rounding error), exactly (Knuth)."""
-    total = a + b
-    shifted = total - a
-    return total, (a - (total - shifted)) + (b - shifted)
-
-
 def two_product(a: Array, b: Array) -> tuple[Array, Array]:
     """a * b as (rounded product, rounding error), exactly while nothing overflows or underflows."""
     product = a * b
@@ -42,9 +35,12 @@ def excess_of_squares(length: Array, tail: Array, span: Array, rise: Array) -> A
     length_high, length_low = two_square(length)
     span_high, span_low = two_square(span)
     rise_high, rise_low = two_square(rise)
-    partial, error_1 = two_sum(length_high, -span_high)
-    total, error_2 = two_sum(partial, -rise_high)
-    return total + (((error_1 + error_2) + (length_low - span_low - rise_low)) + (2.0 * length + tail) * tail)
+    partial = length_high - span_high
+    # The rounding error of this difference, exactly, where length >= span; elsewhere the result is plainly negative.
+    error = (length_high - partial) - span_high
+    # Exact where it nearly vanishes; where it does not, its rounding is no worse than that of the result.
+    total = partial - rise_high
+    return total + ((error + (length_low - span_low - rise_low)) + (2.0 * length + tail) * tail)
 
 
 def _halves(a: Array) -> tuple[Array, Array]:

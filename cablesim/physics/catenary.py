@@ -26,13 +26,15 @@ from cablesim.physics.curve import HangingCurve, Shape
 class Catenary(HangingCurve):
     """A solved catenary, arrays of one entry per scenario; each quantity is computed when it is first asked for.
 
-    `half_angle` is lambda; `strain` is e, the float 0 for the inextensible line.
+    `half_angle` is lambda; `strain` is e, the float 0 for the inextensible line; `ratio_excess` is
+    sinh(lambda) / lambda - 1 where it is known already.
     """
 
     rise: Array
     line_length: Array
     half_angle: Array
     strain: Array | float = 0.0
+    ratio_excess: Array | None = None
 
     @cached_property
     def catenary_parameter(self) -> Array:
@@ -52,7 +54,7 @@ class Catenary(HangingCurve):
 
     @cached_property
     def max_tension(self) -> Array:
-        return self.horizontal_tension * np.cosh(self._upper_angle)
+        return np.maximum(self.tension_A, self.tension_B)
 
     @cached_property
     def drop(self) -> Array:
@@ -136,7 +138,8 @@ class Catenary(HangingCurve):
     @cached_property
     def _lag(self) -> Array:
         """sinh lambda + e cosh lambda - (lambda + e)."""
-        rigid = self.half_angle * sinhc_excess(self.half_angle)
+        ratio_excess = sinhc_excess(self.half_angle) if self.ratio_excess is None else self.ratio_excess
+        rigid = self.half_angle * ratio_excess
         return rigid if self._inextensible else rigid + self.strain * cosh_excess(self.half_angle)
 
     @cached_property

@@ -1,5 +1,6 @@
 """Figures of a scene, as its file asks for them: curves, maps, profiles and the picture of an audit. SVG and PNG."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,7 @@ STYLE: Any = {
     "svg.fonttype": "path",
 }
 MOST_LEGEND_LINES = 8
+MOST_CELLS = 600
 FLAG_COLOURS = {AGREES: "#E8E8E8", ROUNDED_KEY: "#E69F00", MISPRINT: "#D55E00"}
 
 
@@ -122,6 +124,10 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         value = value.where(select(dataset, settings["where"]))
     value = value.isel(method=0, drop=True) if "method" in value.dims else value
     x, y = evaluate(dataset, settings["x"]), evaluate(dataset, settings["y"])
+    missing, scenarios = int((~np.isfinite(value)).sum()), value.size
+    # More cells than pixels cost time and show nothing.
+    steps = {axis.dims[0]: slice(None, None, math.ceil(axis.size / MOST_CELLS)) for axis in (x, y)}
+    x, y, value = x.isel({x.dims[0]: steps[x.dims[0]]}), y.isel({y.dims[0]: steps[y.dims[0]]}), value.isel(steps)
     value = value.transpose(*y.dims, *x.dims)
     drawn, axes = plt.subplots()
     finite = value.values[np.isfinite(value.values)]
@@ -134,8 +140,7 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     drawn.colorbar(mesh, ax=axes, label=_plain(settings.get("label", settings["value"])))
     _scales(axes, settings["log"].replace("value", "").strip())
     axes.grid(visible=False)
-    missing = value.size - finite.size
-    note = f"\ngrey: no solution ({missing} of {value.size})" if missing and "where" not in settings else ""
+    note = f"\ngrey: no solution ({missing} of {scenarios})" if missing and "where" not in settings else ""
     axes.set(title=_plain(scene.title) + note, xlabel=_label(settings["x"]), ylabel=_label(settings["y"]))
     return drawn
 

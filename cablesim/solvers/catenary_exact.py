@@ -31,6 +31,9 @@ def solve(p: Parameters, options: Options) -> Solution:
     # An infeasible line gets the numbers of some feasible one, because NaN is slow; its status says what it is worth.
     excess = np.where(feasible, excess, p.span * p.span)
     level_length = np.sqrt(p.span * p.span + excess)
-    half_angle = inverse_sinhc_excess(excess / (p.span * (level_length + p.span)))
-    curve = Catenary(options.nodes, p.span, p.weight_per_length, p.rise, p.length, half_angle)
+    ratio_excess = excess / (p.span * (level_length + p.span))
+    half_angle = inverse_sinhc_excess(ratio_excess)
+    curve = Catenary(
+        options.nodes, p.span, p.weight_per_length, p.rise, p.length, half_angle, ratio_excess=ratio_excess
+    )
     return Solution(np.where(feasible, Status.ok, Status.infeasible).astype(np.int8), curve)

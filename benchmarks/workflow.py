@@ -1,0 +1,199 @@
+"""What a study costs as it grows: the whole workflow at three sizes, and its parts at the largest.
+
+The study has one scene: a grid of rises and spans, the exact catenary, eight outputs and a map. Its cost is taken as
+
+    fixed + scenarios * cost of one
+
+and both are told in units that every machine has: the fixed cost in imports of xarray, the cost of a scenario in single
+writings of the same outputs with xarray, encoded as the database encodes them.
+"""
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import xarray as xr
+from measure import Cost, Costs, interleaved, machine, markdown, measure, revision
+
+from cablesim import steps
+from cablesim.config.scene import read_scene
+from cablesim.database.reading import read_dataset
+from cablesim.database.shard_file import chunk_sizes, solve_recipe, write_shard
+from cablesim.study import Layout
+
+PROJECT = Path(__file__).resolve().parents[1]
+# Scenarios by size of the grid: rises times spans.
+SIZES = {10_000: (100, 100), 100_000: (250, 400), 1_000_000: (1000, 1000)}
+SMALL, MIDDLE, LARGE = SIZES
+STUDY, NAME = "benchmark", "lines"
+UNITS = IMPORT, WRITING = "import", "writing"
+MICROSECOND = 1e-6
+OUTPUTS = (
+    "catenary_parameter",
+    "horizontal_tension",
+    "tension_A",
+    "tension_B",
+    "max_tension",
+    "sag",
+    "drop",
+    "vertex_x",
+)
+ENCODING = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+
+SCENE = """\
+title: Spans between supports at different levels
+design:
+  grid:
+    rise: {{start: -30 m, stop: 30 m, num: {rises}}}
+    span: {{start: 5 m, stop: 95 m, num: {spans}}}
+fixed: {{line_length: 100 m, weight_per_length: 10 N/m}}
+methods:
+  exact: {{solver: catenary_exact}}
+outputs: [{outputs}]
+figures:
+  max_tension:
+    kind: map
+    x: span
+    y: rise
+    value: max_tension / (weight_per_length * line_length)
+    log: value
+    label: largest tension over weight of the line
+"""
+
+
+def make_study(folder: Path, size: int) -> Path:
+    """A folder with the rules of the workflow and a study of one scene."""
+    folder.mkdir(parents=True)
+    shutil.copy(PROJECT / "Snakefile", folder)
+    shutil.copytree(PROJECT / "workflow", folder / "workflow")
+    scenes = folder / "config" / "scenes"
+    scenes.mkdir(parents=True)
+    rises, spans = SIZES[size]
+    (scenes / f"{NAME}.yaml").write_text(SCENE.format(rises=rises, spans=spans, outputs=", ".join(OUTPUTS)))
+    (folder / "config" / "config.yaml").write_text(f"study: {STUDY}\nscenes: [{NAME}]\n")
+    return folder
+
+
+def run_workflow(folder: Path) -> None:
+    """Run the study in a folder as a user would, with this Python first on the path."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+    command = [sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default"]
+    done = subprocess.run(command, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{done.stdout}{done.stderr}")
+
+
+def run_new_study(folder: Path, size: int) -> None:
+    """A study from nothing. What an earlier repeat has left is removed first, which takes no time to speak of."""
+    shutil.rmtree(folder, ignore_errors=True)
+    run_workflow(make_study(folder, size))
+
+
+def import_xarray() -> None:
+    subprocess.run([sys.executable, "-c", "import xarray"], check=True)
+
+
+def write_once(outputs: xr.Dataset, path: Path) -> None:
+    """The outputs of a scene in one file, as the database encodes them, and nothing else."""
+    encoding = {name: {**ENCODING, "chunksizes": chunk_sizes(outputs[name].shape)} for name in OUTPUTS}
+    outputs.to_netcdf(path, engine="netcdf4", encoding=encoding)
+
+
+def whole_workflow(folder: Path, repeats: int) -> dict[str, Costs]:
+    """The workflow at all sizes and both units, in turns."""
+    # Once before anything counts: compiled modules, and the outputs that are written for the unit.
+    run_new_study(folder / str(LARGE), LARGE)
+    outputs = read_dataset(Layout(folder / str(LARGE) / "results" / STUDY).dataset(NAME))[list(OUTPUTS)].load()
+    actions: dict[str, Callable[[], object]] = {}
+    # Both units beside every size: they are short, and so measured three times as often.
+    for size in SIZES:
+        actions[f"{IMPORT} {size}"] = import_xarray
+        actions[str(size)] = partial(run_new_study, folder / str(size), size)
+        actions[f"{WRITING} {size}"] = partial(write_once, outputs, folder / "once.nc")
+    costs = interleaved(actions, repeats)
+    units = {unit: Costs(tuple(run for size in SIZES for run in costs.pop(f"{unit} {size}").runs)) for unit in UNITS}
+    return costs | units
+
+
+def parts(folder: Path) -> dict[str, Cost]:
+    """The steps of the largest study in this process, one after the other."""
+    scene, layout = read_scene(folder / "config" / "scenes" / f"{NAME}.yaml"), Layout(folder / "by_hand")
+    costs = {"sample": measure(lambda: steps.sample(scene, layout))}
+    plan = steps.sample(scene, layout)
+    solved = {}
+    for number, (digest, recipe) in enumerate(plan.recipes.items(), start=1):
+        shard, path = f"shard {number} of {len(plan.recipes)}", layout.shards(NAME) / f"{digest}.nc"
+        costs[f"solve {shard}"] = measure(lambda r=recipe: solved.update(results=solve_recipe(r)))
+        costs[f"write {shard}"] = measure(lambda p=path, r=recipe: write_shard(p, r, solved["results"]))
+    costs["collect"] = measure(lambda: steps.collect(scene, layout))
+    costs["summarise"] = measure(lambda: steps.summarise(scene, layout))
+    costs["figures"] = measure(lambda: steps.figures(scene, layout))
+    return costs
+
+
+def parts_in_turns(folder: Path, repeats: int) -> dict[str, Costs]:
+    """The parts several times over, each time from nothing."""
+    rounds = []
+    for number in range(repeats):
+        rounds.append(parts(make_study(folder / f"parts{number}", LARGE)))
+        shutil.rmtree(folder / f"parts{number}")
+    return {name: Costs(tuple(costs[name] for costs in rounds)) for name in rounds[0]}
+
+
+def slope(costs: dict[str, Costs], kind: str) -> float:
+    """Seconds for one scenario more, between the two larger sizes."""
+    more = getattr(costs[str(LARGE)], kind) - getattr(costs[str(MIDDLE)], kind)
+    return more / (LARGE - MIDDLE)
+
+
+def summary(costs: dict[str, Costs]) -> str:
+    """Fixed cost and cost of a scenario, in seconds and in their units."""
+    rows = []
+    for kind, label in (("wall", "wall time"), ("cpu", "processor time")):
+        each, once = slope(costs, kind), getattr(costs[WRITING], kind) / LARGE
+        fixed, unit = getattr(costs[str(SMALL)], kind) - SMALL * each, getattr(costs[IMPORT], kind)
+        rows += [
+            (f"fixed, {label}", f"{fixed:.2f} s", f"{fixed / unit:.1f} imports of xarray ({unit:.3f} s)", "20"),
+            (
+                f"for each scenario, {label}",
+                f"{each / MICROSECOND:.2f} µs",
+                f"{each / once:.1f} writings of its outputs ({once / MICROSECOND:.2f} µs)",
+                "3",
+            ),
+        ]
+    return markdown(("", "measured", "in units", "aim: at most"), rows)
+
+
+def table(costs: dict[str, Costs], of: float | None = None) -> str:
+    """Wall and processor time of each, with the share of the total where one is given."""
+    rows = [
+        (name, costs[name].spread(1.0), f"{costs[name].cpu:.3g}", *([f"{costs[name].cpu / of:.0%}"] if of else []))
+        for name in costs
+    ]
+    return markdown(("", "wall s: median (min .. max)", "processor s", *(["share"] if of else [])), rows)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--repeats", type=int, default=3)
+    repeats = parser.parse_args().repeats
+    with tempfile.TemporaryDirectory() as name:
+        costs = whole_workflow(Path(name), repeats)
+        by_hand = parts_in_turns(Path(name), repeats)
+    packages = ("numpy", "xarray", "netCDF4", "snakemake")
+    print(machine(*packages), f"revision {revision()}, {repeats} repeats in turns", sep="; ", end="\n\n")
+    labels = {str(size): f"workflow, {size} scenarios" for size in SIZES}
+    labels |= {IMPORT: "python -c 'import xarray'", WRITING: f"writing the outputs of {LARGE} scenarios once"}
+    print(table({label: costs[name] for name, label in labels.items()}), end="\n\n")
+    print(summary(costs), f"The parts, by hand, {LARGE} scenarios:", sep="\n\n", end="\n\n")
+    print(table(by_hand, sum(cost.cpu for cost in by_hand.values())))
+
+
+if __name__ == "__main__":
+    main()
