@@ -21,7 +21,7 @@ from cablesim.design import Axis
 from cablesim.errors import EnvironmentFault, InputError
 from cablesim.files import written_whole
 from cablesim.shards import MethodPlan, Placement, Recipe, plan_methods
-from cablesim.solver import source_digest
+from cablesim.sources import source_digest
 
 FORMAT = 1
 

@@ -19,7 +19,7 @@ import numpy as np
 from cablesim.config.scene import Method, Scene
 from cablesim.design import Axis
 from cablesim.quantities import quantity
-from cablesim.solver import source_digest
+from cablesim.sources import source_digest
 
 # A job pays about a second for its start; ten seconds of work keep that below a tenth.
 SECONDS_PER_SHARD = 10.0

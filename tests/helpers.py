@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from cablesim.numerics import Array
-from cablesim.solver import ParameterSpec, load_solver
+from cablesim.parameters import ParameterSpec
+from cablesim.solver import load_solver
 
 FOLDER = Path(__file__).parent
 REFERENCE = FOLDER / "reference"

@@ -11,7 +11,7 @@ from cablesim.config.table import Table, read_table
 from cablesim.design import SCENARIO, Axis, Design
 from cablesim.errors import InputError, nearest
 from cablesim.numerics import Array
-from cablesim.solver import ParameterSpec
+from cablesim.parameters import ParameterSpec
 
 MOST_SCENARIOS = 200_000_000
 # Generated axis values are rounded to this many significant digits, so that 1.01 means 1.01 and not its neighbour.

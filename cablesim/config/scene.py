@@ -15,8 +15,9 @@ from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table, read_table
 from cablesim.design import Design
 from cablesim.errors import InputError, nearest
+from cablesim.parameters import ParameterSpec, check_given
 from cablesim.quantities import quantity
-from cablesim.solver import ParameterSpec, Solver, check_given, load_solver
+from cablesim.solver import Solver, load_solver
 
 # Words that have a meaning of their own in formulas.
 TAKEN = ("table", "method", "status", "and", "or", "not")

@@ -19,7 +19,7 @@ from cablesim.files import written_whole
 from cablesim.plan import ScenePlan
 from cablesim.quantities import COMPONENTS, QUANTITIES, quantity
 from cablesim.shards import Placement
-from cablesim.solver import source_digest
+from cablesim.sources import source_digest
 from cablesim.status import Status
 
 NOT_COUNTED = -1

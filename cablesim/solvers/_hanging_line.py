@@ -6,8 +6,9 @@ import numpy as np
 
 from cablesim.numerics import Array
 from cablesim.numerics.exact import excess_of_squares, two_product
+from cablesim.parameters import Batch, option, parameter
 from cablesim.physics.level_span import Formula
-from cablesim.solver import Batch, Solution, option, parameter
+from cablesim.solver import Solution
 from cablesim.status import Status
 
 

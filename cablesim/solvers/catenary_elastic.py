@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cablesim.numerics import Array
+from cablesim.parameters import parameter
 from cablesim.physics.catenary import Catenary, elastic_half_angle
-from cablesim.solver import Solution, parameter
+from cablesim.solver import Solution
 from cablesim.solvers import _hanging_line
 from cablesim.solvers._hanging_line import HangingLine, Options
 from cablesim.status import Status

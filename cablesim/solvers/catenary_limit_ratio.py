@@ -17,9 +17,10 @@ from scipy.optimize.elementwise import find_root
 
 from cablesim.numerics import Array
 from cablesim.numerics.hyperbolic import sinhc_excess
+from cablesim.parameters import Batch, option, parameter
 from cablesim.physics.catenary import Catenary
 from cablesim.physics.level_span import FORMULAS
-from cablesim.solver import Batch, Solution, option, parameter
+from cablesim.solver import Solution
 from cablesim.status import Status
 
 OUTPUTS = ("sag_limit_ratio", "tension_limit_ratio")
