@@ -64,7 +64,7 @@ class Batch:
             name: np.atleast_1d(np.asarray(value, dtype=float)) for name, value in given.items() if value is not None
         }
         check_given(type(self), set(arrays))
-        sizes = {array.size for array in arrays.values() if array.size != 1} or {1}
+        sizes = {array.size for array in arrays.values() if array.size != 1}
         if len(sizes) > 1 or any(array.ndim > 1 for array in arrays.values()):
             shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
             raise InputError(f"parameters must be scalars or arrays of one length, not {shapes}")
@@ -72,7 +72,7 @@ class Batch:
             if spec.name in arrays:
                 spec.check(arrays[spec.name])
         for name, array in arrays.items():
-            object.__setattr__(self, name, np.ascontiguousarray(np.broadcast_to(array, sizes)))
+            object.__setattr__(self, name, np.ascontiguousarray(np.broadcast_to(array, max(sizes, default=1))))
 
     @property
     def size(self) -> int:

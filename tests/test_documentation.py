@@ -12,12 +12,14 @@ from cablesim.config.scene import read_scene
 from cablesim.steps import run_scene
 from cablesim.study import Layout
 
-README = Path(__file__).parent.parent / "README.md"
+PROJECT = Path(__file__).parent.parent
+README = PROJECT / "README.md"
+PAGES = (README, *sorted((PROJECT / "docs").glob("*.md")))
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
-def blocks(language: str) -> list[str]:
-    return [body for found, body in FENCE.findall(README.read_text(encoding="utf-8")) if found == language]
+def blocks(language: str, page: Path = README) -> list[str]:
+    return [body for found, body in FENCE.findall(page.read_text(encoding="utf-8")) if found == language]
 
 
 def cases() -> list[tuple[str, str]]:
@@ -50,14 +52,18 @@ def test_the_python_lines_of_the_readme_print_what_they_say(default_study, monke
     assert doctest.DocTestRunner().run(examples).failed == 0
 
 
-def test_the_scene_of_the_readme_runs(tmp_path):
+SCENES = [(page.name, text) for page in PAGES for text in blocks("yaml", page)]
+
+
+@pytest.mark.parametrize(("page", "text"), SCENES, ids=[f"{page} {i}" for i, (page, _) in enumerate(SCENES)])
+def test_every_scene_of_the_documentation_runs(page, text, tmp_path):
     path = tmp_path / "own.yaml"
-    path.write_text(blocks("yaml")[0])
+    path.write_text(text)
     run_scene(read_scene(path), Layout(tmp_path / "results"), lambda step, done, total: None)
     assert (tmp_path / "results" / "own.nc").exists()
 
 
-def test_every_file_that_the_readme_links_to_exists():
-    links = re.findall(r"\]\(([^)#]+)\)", README.read_text(encoding="utf-8"))
-    assert links
-    assert [link for link in links if not (README.parent / link).exists()] == []
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_file_that_a_page_links_to_exists(page):
+    links = re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8"))
+    assert [link for link in links if not (page.parent / link).exists()] == []

@@ -64,15 +64,10 @@ def _read_axis(node: Node, spec: ParameterSpec) -> Array:
         _check_axis(node, spec, values)
         return values
     keys = node.mapping(("start", "stop", "num"), ("spacing", "origin", "also"))
-    start, stop = keys["start"].number(spec.unit), keys["stop"].number(spec.unit)
-    origin = keys["origin"].number(spec.unit) if "origin" in keys else 0.0
-    spacing = keys["spacing"].choice(("linear", "log")) if "spacing" in keys else "linear"
     num = keys["num"].whole(2, 100_000_000)
-    if not start < stop:
-        node.fail(f"start must be less than stop, not {start:g} and {stop:g} {spec.unit}")
-    if spacing == "log" and not start > origin:
-        node.fail(f"logarithmic spacing needs start > {origin:g}, not {start:g}")
-    values = origin + _spaced(start - origin, stop - origin, num, spacing)
+    start, stop, origin, logarithmic = _read_range(node, keys, spec)
+    spaced = np.geomspace if logarithmic else np.linspace
+    values = origin + _rounded(spaced(start - origin, stop - origin, num))
     if "also" in keys:
         extra = np.array([entry.number(spec.unit) for entry in keys["also"].sequence()])
         values = np.unique(np.concatenate([values, extra]))
@@ -80,17 +75,25 @@ def _read_axis(node: Node, spec: ParameterSpec) -> Array:
     return values
 
 
-def _spaced(start: float, stop: float, num: int, spacing: str) -> Array:
-    values = np.geomspace(start, stop, num) if spacing == "log" else np.linspace(start, stop, num)
+def _read_range(node: Node, keys: dict[str, Node], spec: ParameterSpec) -> tuple[float, float, float, bool]:
+    """Start, stop, origin, and whether the distance from the origin is spaced logarithmically."""
+    start, stop = keys["start"].number(spec.unit), keys["stop"].number(spec.unit)
+    origin = keys["origin"].number(spec.unit) if "origin" in keys else 0.0
+    logarithmic = "spacing" in keys and keys["spacing"].choice(("linear", "log")) == "log"
+    if not start < stop:
+        node.fail(f"start must be less than stop, not {start:g} and {stop:g} {spec.unit}")
+    if logarithmic and not start > origin:
+        node.fail(f"logarithmic spacing needs start > {origin:g}, not {start:g}")
+    return start, stop, origin, logarithmic
+
+
+def _rounded(values: Array) -> Array:
     scale = 10.0 ** (AXIS_DIGITS - 1 - np.floor(np.log10(np.maximum(np.abs(values), 1e-280))))
     return np.round(values * scale) / scale
 
 
 def _check_axis(node: Node, spec: ParameterSpec, values: Array) -> None:
-    try:
-        spec.check(values)
-    except InputError as problem:
-        node.fail(str(problem))
+    node.located(spec.check, values)
     unique, counts = np.unique(values, return_counts=True)
     if unique.size < values.size:
         node.fail(f"the value {unique[np.argmax(counts > 1)]:.17g} appears {counts.max()} times")
@@ -110,13 +113,15 @@ def _read_cases(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[
             if set(row) != set(names):
                 entry.fail(f"every case must have the same parameters: {', '.join(names)}")
         columns[name] = np.array([row[name].number(spec.unit) for row in rows])
-        _check_column(node, spec, columns[name])
+        node.located(spec.check, columns[name])
     return (Axis(SCENARIO, columns),), (), None
 
 
 def _read_case_table(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[Table, ...], None]:
-    """One scenario a row; or, with `keys`, one for each way to read the row, at its printed value and at both ends of
-    the rounding of its last digit."""
+    """One scenario a row; or, with `keys`, one for each way to read the row.
+
+    A key is taken at its printed value and at both ends of the rounding of its last digit.
+    """
     keys = node.mapping(("table",), ("columns", "keys"))
     if "keys" in keys and "columns" in keys:
         node.fail("either columns or keys is expected, not both")
@@ -141,7 +146,7 @@ def _table_axis(columns: Node | None, node: Node, table: Table, parameters: Spec
         place = formulas.get(name, node)
         spec = _spec(place, name, parameters)
         values[name] = table.evaluate(formulas[name].formula() if name in formulas else name, spec.unit)
-        _check_column(place, spec, values[name])
+        place.located(spec.check, values[name])
     return Axis(SCENARIO, values, {"row": np.arange(table.rows)})
 
 
@@ -157,18 +162,17 @@ def _keyed_axis(node: Node, table: Table, parameters: Specs) -> Axis:
         if not formulas or (values and set(formulas) != set(values)):
             given = ", ".join(formulas) or "none"
             entry.fail(f"every key must give the same parameters, at least one; this one gives {given}")
-        for name, formula in formulas.items():
-            spec = _spec(entry, name, parameters)
-            for rounding, shift in ROUNDINGS.items():
-                column = shifted(table, key, shift).evaluate(formula, spec.unit)
-                _check_column(entry, spec, column)
-                values.setdefault(name, []).append(column)
-                labels["row"].append(np.arange(table.rows))
-                labels["key"].append(np.full(table.rows, key))
-                labels["rounding"].append(np.full(table.rows, rounding))
-    return Axis(
-        SCENARIO, {n: np.concatenate(v) for n, v in values.items()}, {n: np.concatenate(v) for n, v in labels.items()}
-    )
+        for rounding, shift in ROUNDINGS.items():
+            moved = shifted(table, key, shift)
+            for name, formula in formulas.items():
+                spec = _spec(entry, name, parameters)
+                values.setdefault(name, []).append(moved.evaluate(formula, spec.unit))
+                entry.located(spec.check, values[name][-1])
+            labels["row"].append(np.arange(table.rows))
+            labels["key"].append(np.full(table.rows, key))
+            labels["rounding"].append(np.full(table.rows, rounding))
+    columns, words = ({name: np.concatenate(v) for name, v in parts.items()} for parts in (values, labels))
+    return Axis(SCENARIO, columns, words)
 
 
 # A printed number stands for any number within half a unit of its last digit.
@@ -185,13 +189,6 @@ def shifted(table: Table, column: str, digits: float) -> Table:
 def last_digit(cells: tuple[str, ...]) -> Array:
     """One unit in the last printed digit of each cell: 0.01 for "2.50"."""
     return np.array([10.0 ** -len(cell.split(".")[1]) if "." in cell else 1.0 for cell in cells])
-
-
-def _check_column(node: Node, spec: ParameterSpec, values: Array) -> None:
-    try:
-        spec.check(values)
-    except InputError as problem:
-        node.fail(str(problem))
 
 
 def _read_sample(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[Table, ...], int]:
@@ -213,20 +210,15 @@ def _read_sample(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple
     for (name, entry), unit_values in zip(ranges.items(), points.T, strict=True):
         spec = _spec(entry, name, parameters)
         columns[name] = _stretch(entry, spec, unit_values)
-        _check_column(entry, spec, columns[name])
+        entry.located(spec.check, columns[name])
     return (Axis(SCENARIO, columns),), (), seed
 
 
 def _stretch(node: Node, spec: ParameterSpec, unit_values: Array) -> Array:
     keys = node.mapping(("start", "stop"), ("spacing", "origin"))
-    start, stop = keys["start"].number(spec.unit), keys["stop"].number(spec.unit)
-    origin = keys["origin"].number(spec.unit) if "origin" in keys else 0.0
-    if not start < stop:
-        node.fail(f"start must be less than stop, not {start:g} and {stop:g} {spec.unit}")
-    if "spacing" not in keys or keys["spacing"].choice(("linear", "log")) == "linear":
+    start, stop, origin, logarithmic = _read_range(node, keys, spec)
+    if not logarithmic:
         return start + (stop - start) * unit_values
-    if not start > origin:
-        node.fail(f"logarithmic spacing needs start > {origin:g}, not {start:g}")
     return origin + (start - origin) * ((stop - origin) / (start - origin)) ** unit_values
 
 
