@@ -49,6 +49,7 @@ def summarise(scene: Scene, layout: Layout) -> None:
     made = {
         "errors": (tables.error_table(scene, dataset), f"{scene.title}: errors against {dataset.attrs['reference']}"),
         "tensions": (tables.tension_table(dataset), f"{scene.title}: tensions in N"),
+        "values": (tables.value_table(dataset), f"{scene.title}: all outputs, in SI"),
         "status": (
             tables.status_table(dataset),
             f"{scene.title}: scenarios by their fate, and measured seconds for each",

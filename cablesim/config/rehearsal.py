@@ -4,6 +4,7 @@ Every name stands for an array that is two long along each of its dimensions and
 dimensions of a formula can be read off the shape of its value. Nothing is solved.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,7 +83,7 @@ class Rehearsal:
         shape = np.shape(value)
         return {dim for dim, size in zip(self._dims, shape, strict=True) if size > 1} if shape else set()
 
-    def _answered(self, answer) -> np.ndarray:  # type: ignore[no-untyped-def]
+    def _answered(self, answer: Callable[[], np.ndarray]) -> np.ndarray:
         try:
             return answer()
         except UnknownName as unknown:

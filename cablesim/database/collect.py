@@ -193,6 +193,7 @@ def _provenance(scene: Scene, revision: str) -> dict[str, Any]:
         "Conventions": "CF-1.11",
         "title": scene.title,
         "source": f"cablesim {version('cablesim')}",
+        "history": "sampled, solved and collected by cablesim; undated, so that the same inputs give the same file",
         "revision": revision,
         "scene": scene.name,
         "scene_digest": scene.digest,

@@ -41,16 +41,24 @@ def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
 
 def tension_table(dataset: xr.Dataset) -> pd.DataFrame:
     """The tensions by scenario; for very many scenarios their statistics by method."""
-    names = [
-        str(name)
-        for name in dataset.data_vars
-        if "tension" in str(name) and not quantity(str(name)).dims and quantity(str(name)).unit == "N"
-    ]
+    names = [name for name in _scalars(dataset) if "tension" in name and quantity(name).unit == "N"]
     if not names:
         return pd.DataFrame()
     if dataset[names[0]].size > MOST_ROWS:
         return _tension_statistics(dataset, names)
     return frame(dataset, [*names, "status"])
+
+
+def value_table(dataset: xr.Dataset) -> pd.DataFrame:
+    """Every output that is one number, by scenario; nothing for very many scenarios."""
+    names = _scalars(dataset)
+    return frame(dataset, [*names, "status"]) if names and dataset.status.size <= MOST_ROWS else pd.DataFrame()
+
+
+def _scalars(dataset: xr.Dataset) -> list[str]:
+    """The outputs that are one number per scenario."""
+    others = ("status", "iterations", "run_time")
+    return [str(n) for n in dataset.data_vars if n not in others and dataset[n].dims == dataset.status.dims]
 
 
 def status_table(dataset: xr.Dataset) -> pd.DataFrame:
