@@ -25,9 +25,9 @@ references: .venv/test  ## Recompute the 40-digit references of the tests.
 	$(BIN)/python tests/reference/make_catenary_references.py
 
 lock:  ## Resolve the dependencies anew (needs uv).
-	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-header --extra build \
+	uv pip compile --quiet --universal --generate-hashes --no-header --extra build \
 	  pyproject.toml --output-file requirements.lock
-	uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-header --extra build --extra test \
+	uv pip compile --quiet --universal --generate-hashes --no-header --extra build --extra test \
 	  --constraint requirements.lock pyproject.toml --output-file requirements-test.lock
 
 .venv/study: requirements.lock pyproject.toml

@@ -1,5 +1,6 @@
 """What every hanging curve can answer, whichever formula it came from: its shape as nodes along the line."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -18,7 +19,7 @@ class Shape(NamedTuple):
 
 
 @dataclass(frozen=True)
-class HangingCurve:
+class HangingCurve(ABC):
     """A curve between two supports; subclasses give `shape`."""
 
     nodes: int
@@ -26,8 +27,9 @@ class HangingCurve:
     weight_per_length: Array
 
     @cached_property
+    @abstractmethod
     def shape(self) -> Shape:
-        raise NotImplementedError
+        """The nodes of the curve."""
 
     @property
     def profile(self) -> Array:

@@ -70,24 +70,19 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     settings = figure.settings
     chosen = dataset if "where" not in settings else dataset.where(select(dataset, settings["where"]))
     drawn, axes = plt.subplots()
-    for number, (label, formula) in enumerate(settings["y"].items()):
-        for part, shade, suffix in _each(chosen, settings["each"]):
-            x, y = xr.broadcast(evaluate(part, settings["x"]), evaluate(part, formula))
-            shaded = shade is not None
-            style: Any = {
-                "color": shade if shaded else PALETTE[number % len(PALETTE)],
-                "linestyle": DASHES[number % 4 if shaded else 0],
-            }
-            name = (suffix if number == 0 else None) if shaded else label
-            axes.plot(x.values.ravel(), y.values.ravel(), label=name and _plain(name), **style)
-        if settings["each"] and len(settings["y"]) > 1:
-            axes.plot([], [], label=_plain(label), color="black", linestyle=DASHES[number % 4])
+    draw = _shaded_curves if settings["each"] else _coloured_curves
+    draw(axes, chosen, settings)
     _printed_points(scene, axes, settings["points"])
     _scales(axes, settings["log"])
+    formulas = list(settings["y"].values())
     axes.set(
         title=_plain(scene.title),
         xlabel=_plain(settings["x_label"]) if "x_label" in settings else _label(settings["x"]),
-        ylabel=_plain(settings.get("y_label", "")),
+        ylabel=_plain(settings["y_label"])
+        if "y_label" in settings
+        else _label(formulas[0])
+        if len(formulas) == 1
+        else "",
     )
     lines = len(axes.get_legend_handles_labels()[0])
     if lines > MOST_LEGEND_LINES:
@@ -97,14 +92,29 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     return drawn
 
 
-def _each(dataset: xr.Dataset, name: str | None) -> Iterator[tuple[xr.Dataset, Any, str]]:
-    """The dataset point by point along an axis, with a shade and a label; or all of it at once."""
-    if name is None:
-        yield dataset, None, ""
-        return
+def _coloured_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
+    """One curve for each formula, told apart by colour."""
+    for number, (label, formula) in enumerate(settings["y"].items()):
+        axes.plot(*_points(dataset, settings["x"], formula), label=_plain(label), color=PALETTE[number % len(PALETTE)])
+
+
+def _shaded_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
+    """A curve for each point of an axis, told apart by shade; formulas by dashes."""
+    name = settings["each"]
     shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[name]))
-    for i, shade in enumerate(shades):
-        yield dataset.isel({name: i}), shade, f"{_word(name)} = {float(dataset[name][i]):g}"
+    for number, (label, formula) in enumerate(settings["y"].items()):
+        dashes = DASHES[number % len(DASHES)]
+        for i, shade in enumerate(shades):
+            part = dataset.isel({name: i})
+            value = f"{_word(name)} = {float(dataset[name][i]):g}" if number == 0 else None
+            axes.plot(*_points(part, settings["x"], formula), label=value, color=shade, linestyle=dashes)
+        if len(settings["y"]) > 1:
+            axes.plot([], [], label=_plain(label), color="black", linestyle=dashes)
+
+
+def _points(dataset: xr.Dataset, x: str, y: str) -> tuple[np.ndarray, np.ndarray]:
+    along, across = xr.broadcast(evaluate(dataset, x), evaluate(dataset, y))
+    return along.values.ravel(), across.values.ravel()
 
 
 def _printed_points(scene: Scene, axes: Any, points: dict[str, str]) -> None:
