@@ -222,9 +222,7 @@ def _scene_step(name: str, help_text: str) -> None:
         from cablesim.config.scene import read_scene
         from cablesim.study import Layout
 
-        steps.SCENE_STEPS[name](read_scene(scene), Layout(results))
-        if stamp is not None:
-            steps.stamp(stamp)
+        steps.run_step(name, read_scene(scene), Layout(results), stamp)
 
 
 _scene_step("collect", "Join the shards of a SCENE into its dataset in RESULTS.")

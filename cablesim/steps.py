@@ -84,16 +84,23 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> ScenePlan:
         out = folder / f"{shard}.nc"
         if not (out.exists() and ledger(out).exists()):
             solve(layout.plan(plan), shard, out)
-    for done, (name, step) in enumerate(SCENE_STEPS.items()):
+    for done, name in enumerate(SCENE_STEPS):
         progress(name, done, len(SCENE_STEPS))
-        step(scene, layout)
+        run_step(name, scene, layout)
     return plan
 
 
-def stamp(path: Path) -> None:
-    """Say that a step is done: an empty file named by the content it was done for."""
-    with written_whole(path) as temporary:
-        temporary.touch()
+def run_step(name: str, scene: Scene, layout: Layout, stamp: Path | None = None) -> None:
+    """Run a step of a scene and leave its stamp: an empty file named by the content that the step was done for.
+
+    Stamps of other content go first, because the files that they vouched for are about to be replaced.
+    """
+    for old in layout.stamps(scene.name, name):
+        old.unlink(missing_ok=True)
+    SCENE_STEPS[name](scene, layout)
+    if stamp is not None:
+        with written_whole(stamp) as temporary:
+            temporary.touch()
 
 
 def revision() -> str:

@@ -40,6 +40,10 @@ class Layout:
         """The file that says a step was done for this content of the scene."""
         return self.root / "stamps" / f"{scene}.{step}.{digest}"
 
+    def stamps(self, scene: str, step: str) -> list[Path]:
+        """The stamps of a step for any content."""
+        return sorted((self.root / "stamps").glob(f"{scene}.{step}.*"))
+
     @property
     def logs(self) -> Path:
         return self.root / "logs"

@@ -136,6 +136,19 @@ def test_an_added_value_runs_one_job_a_method_and_leaves_the_other_shards_alone(
     assert after.items() >= before.items()
 
 
+def test_going_back_to_an_earlier_scene_brings_back_its_results(study):
+    results, scene = study / "results" / "small", study / "config" / "scenes" / "spans.yaml"
+    before = digests(results)
+    replace(scene, "40 m]", "40 m, 80 m]")
+    assert snakemake(study).returncode == 0
+    replace(scene, "40 m, 80 m]", "40 m]")
+    assert jobs(study) == {"collect_spans": 1, "summarise_spans": 1, "figures_spans": 1}
+    assert snakemake(study).returncode == 0
+    after = digests(results)
+    kept = [name for name in before if "shards" not in name and "logs" not in name]
+    assert {name: after[name] for name in kept} == {name: before[name] for name in kept}
+
+
 def test_an_added_scene_or_method_runs_only_itself(study):
     config = study / "config"
     (config / "scenes" / "more.yaml").write_text(SCENES["limits"].replace("Limits", "More"))
