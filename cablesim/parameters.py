@@ -109,12 +109,13 @@ class ParameterSpec:
 
     def check(self, values: Array) -> None:
         """Raises InputError unless every value is finite, inside the declared bound and of a physical magnitude."""
-        bad = ~(np.abs(values) <= LARGEST)
-        if self.above is not None:
-            bad |= ~(values > self.above)
-            bad |= values < 1.0 / LARGEST
-        if not bad.any():
+        if not values.size:
+            raise InputError(f"{self.name} has no values")
+        least = -LARGEST if self.above is None else max(np.nextafter(self.above, np.inf), 1.0 / LARGEST)
+        # A NaN is the minimum of whatever it stands among, and no comparison with it holds.
+        if values.min() >= least and values.max() <= LARGEST:
             return
+        bad = ~((values >= least) & (values <= LARGEST))
         first = int(np.argmax(bad))
         count = f"{int(bad.sum())} of {bad.size} are not (first: scenario {first}, " if bad.size > 1 else "it is "
         closing = ")" if bad.size > 1 else ""
