@@ -26,11 +26,11 @@ def two_square(a: Array) -> tuple[Array, Array]:
     return square, ((high * high - square) + 2.0 * high * low) + low * low
 
 
-def excess_of_squares(length: Array, tail: Array, span: Array, rise: Array) -> Array:
+def excess_of_squares(length: Array, tail: Array | None, span: Array, rise: Array) -> Array:
     """(length + tail)**2 - span**2 - rise**2, correct to a few units in the last place even when it nearly vanishes.
 
     Below 1e-16 length**2 (a chord between two floats) the error stays below 1e-32 length**2, and so the sign is right.
-    `tail` is the part of the length too small for the float `length` to hold (0 where there is none).
+    `tail` is the part of the length too small for the float `length` to hold (None where there is none).
     """
     length_high, length_low = two_square(length)
     span_high, span_low = two_square(span)
@@ -40,7 +40,8 @@ def excess_of_squares(length: Array, tail: Array, span: Array, rise: Array) -> A
     error = (length_high - partial) - span_high
     # Exact where it nearly vanishes; where it does not, its rounding is no worse than that of the result.
     total = partial - rise_high
-    return total + ((error + (length_low - span_low - rise_low)) + (2.0 * length + tail) * tail)
+    error += length_low - span_low - rise_low
+    return total + error if tail is None else total + (error + (2.0 * length + tail) * tail)
 
 
 def _halves(a: Array) -> tuple[Array, Array]:

@@ -32,11 +32,11 @@ class LevelLine(Batch):
         return excess_of_squares(*self._length_and_tail, self.span, np.zeros_like(self.span))
 
     @property
-    def _length_and_tail(self) -> tuple[Array, Array]:
+    def _length_and_tail(self) -> tuple[Array, Array | None]:
         """Length as a float and the part that the float cannot hold: a ratio of 1 + 1e-12 means exactly that."""
         if self.length_ratio is not None:
             return two_product(self.length_ratio, self.span)
-        return self.line_length, np.zeros_like(self.line_length)
+        return self.line_length, None
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,9 @@ SECONDS_PER_SCENARIO = 2e-7
 def solve(p: Parameters, options: Options) -> Solution:
     excess = p.excess
     feasible = excess > 0.0
-    # An infeasible line gets the numbers of some feasible one, because NaN is slow; its status says what it is worth.
-    excess = np.where(feasible, excess, p.span * p.span)
+    if not feasible.all():
+        # An infeasible line gets the numbers of some feasible one: NaN is slow, and its status says what it is worth.
+        excess = np.where(feasible, excess, p.span * p.span)
     level_length = np.sqrt(p.span * p.span + excess)
     ratio_excess = excess / (p.span * (level_length + p.span))
     half_angle = inverse_sinhc_excess(ratio_excess)
