@@ -5,11 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from cablesim import shards
 from cablesim.config.scene import read_scene
+from cablesim.database.reading import read_dataset
 from cablesim.plan import plan_scene, read_plan
 from cablesim.shards import plan_methods
+from cablesim.steps import run_scene
+from cablesim.study import Layout
 
 SCENE = """
 title: A grid that grows
@@ -142,3 +146,65 @@ def test_editing_a_solver_changes_its_shards_and_no_others(monkeypatch, tmp_path
     after = plan_scene(scene(tmp_path, methods=both), tmp_path / "plans")
     assert new_scenarios(before, after) == 6
     assert {r.solver for d, r in after.recipes.items() if d not in solved(before)} == {"catenary_parabolic"}
+
+
+def test_a_method_that_ignores_every_axis_is_solved_once_and_stands_all_along_them(tmp_path):
+    path = tmp_path / "ignoring.yaml"
+    path.write_text(
+        "title: A rigid line beside elastic ones\n"
+        "design: {grid: {axial_stiffness: [1e5, 1e6, 1e9]}}\n"
+        "fixed: {span: 10, line_length: 11, weight_per_length: 5}\n"
+        "methods:\n"
+        "  elastic: {solver: catenary_elastic}\n"
+        "  rigid: {solver: catenary_exact, ignores: [axial_stiffness]}\n"
+        "outputs: [sag, profile]\n"
+    )
+    layout = Layout(tmp_path / "results")
+    plan = run_scene(read_scene(path), layout, lambda step, done, total: None)
+    assert sorted(solved(plan).values()) == [1, 3]
+    sag = read_dataset(layout.dataset("ignoring")).sag
+    rigid, elastic = sag.sel({"method": "rigid"}).values, sag.sel({"method": "elastic"}).values
+    assert len(set(rigid.tolist())) == 1
+    # The stiffest line is as good as rigid: its strain is 3e-8.
+    assert elastic[-1] == pytest.approx(rigid[-1], rel=1e-6)
+    assert len(set(elastic.tolist())) == 3
+
+
+GROWING = [
+    {"span": [10, 20, 30], "length_ratio": [1.1, 1.2]},
+    {"span": [10, 20, 25, 30], "length_ratio": [1.1, 1.2]},
+    {"length_ratio": [1.3, 1.2, 1.05, 1.1], "span": [30, 10, 25]},
+    {"rise": [0, 2], "length_ratio": [1.1, 1.2], "span": [20, 30, 40]},
+    {"span": [40], "rise": [2, 0], "length_ratio": [0.9, 1.1, 1.2]},
+    {"span": [10, 20, 30], "length_ratio": [1.1, 1.2]},
+]
+
+
+GROWN = """
+title: A grid that grows
+design:
+  grid:
+{axes}
+fixed: {{weight_per_length: 5, axial_stiffness: 1e5}}
+methods:
+  exact: {{solver: catenary_exact, ignores: [axial_stiffness]}}
+  elastic: {{solver: catenary_elastic}}
+outputs: [sag, tension_A, profile]
+"""
+
+
+def test_a_dataset_that_grew_is_the_same_as_one_made_afresh(tmp_path):
+    path = tmp_path / "grown.yaml"
+    for number, grid in enumerate(GROWING):
+        axes = "\n".join(f"    {name}: {values}" for name, values in grid.items())
+        path.write_text(GROWN.format(axes=axes))
+        datasets = [collected(path, tmp_path / folder) for folder in ("grown", f"afresh {number}")]
+        xr.testing.assert_identical(*datasets)
+
+
+def collected(path: Path, folder: Path) -> xr.Dataset:
+    """The dataset of a scene, without what was measured."""
+    layout = Layout(folder)
+    run_scene(read_scene(path), layout, lambda step, done, total: None)
+    with xr.open_dataset(layout.dataset(path.stem)) as dataset:
+        return dataset.load()

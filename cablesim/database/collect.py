@@ -111,7 +111,7 @@ def _in_design_order(values: np.ndarray, placement: Placement, positions: tuple[
     shape = [1] * axes
     for axis, source, position in zip(placement.axis, placement.source, positions, strict=True):
         shape[position] = source.size if axis >= 0 else 1
-    return values.reshape(*shape, *values.shape[len(kept) :])
+    return values.reshape((*shape, *values.shape[len(kept) :]))
 
 
 def _assign(array: np.ndarray, axes: list[Any], block: np.ndarray) -> None:

@@ -47,7 +47,7 @@ def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
             for size, dim in zip(values.shape[1:], quantity(name).dims, strict=True):
                 if dim not in file.dimensions:
                     file.createDimension(dim, size)
-            _write(file, name, (*dims, *quantity(name).dims), values.reshape(*shape, *values.shape[1:]))
+            _write(file, name, (*dims, *quantity(name).dims), values.reshape((*shape, *values.shape[1:])))
         _write(file, "status", dims, results.status.reshape(shape))
         _write(file, "iterations", dims, results.iterations.reshape(shape))
     enter_in_ledger(path, results.seconds)

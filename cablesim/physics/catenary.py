@@ -1,4 +1,4 @@
-"""Hanging line between two supports: exact, elastic and approximate shapes (MODELS 1, equations M1-M6).
+"""Hanging line between two supports: exact, elastic and approximate shapes (docs/models.md, equations M1-M6).
 
 Notation: span l, rise h = z_B - z_A, unstretched length L, weight per length w, axial stiffness EA; W = w L / 2 is half
 the weight and e = W / EA its strain. Along the line the slope is dz/dx = sinh(u), and u grows from u_A = mu - lambda

@@ -1,4 +1,4 @@
-"""Approximate formulas for a line between supports at one level (MODELS 1, M4): of L - l and l alone.
+"""Approximate formulas for a line between supports at one level (docs/models.md, M4): of L - l and l alone.
 
 All start from a power series of the catenary in l / a (paper, equations 12 and 13),
 
