@@ -3,13 +3,14 @@
 What comes back is plain arrays; a failed scenario is NaN in every output, and no scenario depends on its neighbours.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from cablesim.numerics import Array
+from cablesim.quantities import quantity
 from cablesim.solver import Solver, load_solver
 from cablesim.status import Status
 
@@ -25,11 +26,6 @@ class Results:
     status: np.ndarray
     iterations: np.ndarray
     seconds: float
-    solver: str = field(default="")
-
-    @property
-    def size(self) -> int:
-        return self.status.size
 
 
 def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | None = None, outputs: Any = ()) -> Results:
@@ -45,8 +41,6 @@ def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | Non
 
 def scalar_outputs(solver: Solver) -> tuple[str, ...]:
     """The outputs that are one number per scenario."""
-    from cablesim.quantities import quantity
-
     return tuple(name for name in solver.outputs if not quantity(name).dims)
 
 
@@ -72,7 +66,7 @@ def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...])
             values[name][rows] = value
             if failed.size:
                 values[name][rows][failed] = np.nan
-    return Results(values, status, iterations, perf_counter() - start, solver.name)
+    return Results(values, status, iterations, perf_counter() - start)
 
 
 def _final_status(status: np.ndarray, found: dict[str, Array]) -> np.ndarray:

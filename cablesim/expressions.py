@@ -285,13 +285,8 @@ def _parser() -> "Lark":
     return Lark(grammar, parser="lalr", maybe_placeholders=False)
 
 
-def _values(tree: "Tree") -> Iterator["Token"]:
-    return (
-        token
-        for subtree in tree.iter_subtrees()
-        if subtree.data == "value"
-        for token in subtree.scan_values(lambda _: True)
-    )
+def _values(tree: "Tree") -> Iterator[Any]:
+    return (subtree.children[0] for subtree in tree.iter_subtrees() if subtree.data == "value")
 
 
 def _split(token: "Token") -> tuple[str, str]:

@@ -1,22 +1,32 @@
-"""The sources that decide a solver's numbers, as a digest that names its results."""
+"""The sources that decide what a solver or a step of the workflow makes, as a digest that names it."""
 
 import ast
 import hashlib
 from functools import cache
 from pathlib import Path
 
-from cablesim.solver import FOLDER, PACKAGE
+from cablesim.solver import PACKAGE
+
+# Where a solver's numbers come from.
+NUMBERS = ("physics", "numerics", "solvers")
 
 
-@cache
 def source_digest(name: str) -> str:
     """Digest of everything that decides a solver's numbers: its module and what it imports of physics and numerics.
 
-    Results are named by it, so editing a solver reruns what it solved and nothing else. Only code counts: a comment, a
-    docstring or the layout of the source changes no number.
+    Results are named by it, so editing a solver reruns what it solved and nothing else.
+    """
+    return code_digest((f"solvers/{name}",), NUMBERS)
+
+
+@cache
+def code_digest(modules: tuple[str, ...], parts: tuple[str, ...]) -> str:
+    """Digest of some modules and, transitively, of what they import from the named parts of the package.
+
+    Only code counts: a comment, a docstring or the layout of the source changes nothing.
     """
     digest = hashlib.sha256()
-    for path in sorted(_sources(FOLDER / f"{name}.py")):
+    for path in sorted(_sources(modules, parts)):
         digest.update(f"{path.relative_to(PACKAGE).as_posix()}\0{_code(path)}\0".encode())
     return digest.hexdigest()[:16]
 
@@ -30,31 +40,28 @@ def _code(path: Path) -> str:
     return ast.dump(tree)
 
 
-def _sources(start: Path) -> set[Path]:
-    """The module and, transitively, the modules of `physics`, `numerics` and `solvers` that it imports."""
+def _sources(modules: tuple[str, ...], parts: tuple[str, ...]) -> set[Path]:
+    """The files of the modules and, transitively, of what they import from the parts."""
     found: set[Path] = set()
-    todo = [start]
+    todo = [PACKAGE / f"{module}.py" for module in modules]
     while todo:
         path = todo.pop()
         if path in found:
             continue
         found.add(path)
-        todo += [file for module in _imported(path) for file in _files(module) if file.exists()]
+        wanted = [module for module in _imported(path) if module.split("/")[0] in parts]
+        files = [PACKAGE / file for module in wanted for file in (f"{module}.py", f"{module}/__init__.py")]
+        todo += [file for file in files if file.exists()]
     return found
-
-
-def _files(module: str) -> list[Path]:
-    """Where a module of `physics`, `numerics` or `solvers` may lie; nothing for any other."""
-    if module.split("/")[0] not in ("physics", "numerics", "solvers"):
-        return []
-    return [PACKAGE / f"{module}.py", PACKAGE / module / "__init__.py"]
 
 
 def _imported(path: Path) -> set[str]:
     """Modules of this package that a file imports, as paths below the package."""
     modules = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("cablesim."):
+        if isinstance(node, ast.ImportFrom) and node.module == "cablesim":
+            modules |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("cablesim."):
             base = node.module.removeprefix("cablesim.").replace(".", "/")
             modules |= {base, *(f"{base}/{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from cablesim.config.scene import Scene
+from cablesim.errors import InputError
 from cablesim.files import ledger, written_whole
 from cablesim.plan import ScenePlan, plan_scene, read_plan
 from cablesim.study import Layout
@@ -23,7 +24,6 @@ def sample(scene: Scene, layout: Layout) -> ScenePlan:
 def solve(plan_path: Path, shard: str, out: Path) -> None:
     """Compute one shard of a plan."""
     from cablesim.database.shard_file import solve_recipe, write_shard
-    from cablesim.errors import InputError
 
     recipes = read_plan(plan_path).recipes
     if shard not in recipes:

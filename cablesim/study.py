@@ -44,10 +44,6 @@ class Layout:
         """The stamps of a step for any content."""
         return sorted((self.root / "stamps").glob(f"{scene}.{step}.*"))
 
-    @property
-    def logs(self) -> Path:
-        return self.root / "logs"
-
 
 @dataclass(frozen=True)
 class Study:

@@ -140,25 +140,3 @@ def _pint_spelling(unit: str) -> str:
     spaced = unit.replace("%", "percent").replace("°", "degree").replace("·", "*")
     spaced = re.sub(r"(?<=[A-Za-zµμ])\s?(?:\^|\*\*)?(-?\d(?:\.\d+)?)", r"**\1", spaced)
     return re.sub(r"(?<=[\w)])\s+(?=[A-Za-zµμ])", "*", spaced)
-
-
-def readable_seconds(seconds: float) -> str:
-    """A duration as a person says it."""
-    if seconds < 1.0:
-        return "1 s"
-    return (
-        f"{seconds:.0f} s"
-        if seconds < 120.0
-        else f"{seconds / 60.0:.0f} min"
-        if seconds < 7200.0
-        else f"{seconds / 3600.0:.1f} h"
-    )
-
-
-def readable_bytes(size: float) -> str:
-    """A size on disk as a person says it."""
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if size < 1000.0:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.3g} TB"

@@ -8,16 +8,17 @@ from pathlib import Path
 from cablesim.config.scene import Scene
 from cablesim.files import ledger
 from cablesim.plan import ScenePlan
-from cablesim.solver import PACKAGE
+from cablesim.sources import code_digest
 from cablesim.steps import sample
 from cablesim.study import Layout, read_study
 
-# The sources that decide what a step writes: editing them makes its files out of date.
-STEP_SOURCES = {
-    "collect": ("database/collect.py", "database/shard_file.py", "quantities.py"),
-    "summarise": ("report/tables.py", "report/audit.py", "expressions.py", "database/reading.py"),
-    "figures": ("report/figures.py", "report/audit.py", "expressions.py", "database/reading.py"),
+# The modules that write the files of a step: editing them, or what they import, makes these files out of date.
+STEP_MODULES = {
+    "collect": ("database/collect",),
+    "summarise": ("database/collect", "report/tables", "report/audit"),
+    "figures": ("database/collect", "report/figures"),
 }
+STEP_PARTS = ("database", "report", "expressions", "units", "quantities", "status")
 
 
 @dataclass(frozen=True)
@@ -51,12 +52,9 @@ class PlannedScene:
         return [str(path) for shard in paths for path in (shard, ledger(shard))]
 
     def stamp(self, step: str) -> str:
-        """The stamp of a step, named by the plan and by the sources of the steps that lead to it."""
-        steps = ("collect",) if step == "collect" else ("collect", step)
-        digest = hashlib.sha256(self.shard_plan.digest.encode())
-        for source in (source for name in steps for source in STEP_SOURCES[name]):
-            digest.update((PACKAGE / source).read_bytes())
-        return str(self.layout.stamp(self.name, step, digest.hexdigest()[:16]))
+        """The stamp of a step, named by the plan and by the code that leads to its files."""
+        content = f"{self.shard_plan.digest} {code_digest(STEP_MODULES[step], STEP_PARTS)}"
+        return str(self.layout.stamp(self.name, step, hashlib.sha256(content.encode()).hexdigest()[:16]))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ import math
 from cablesim.config.scene import Scene
 from cablesim.quantities import quantity
 from cablesim.shards import plan_methods
-from cablesim.units import readable_bytes, readable_seconds
 
 # Measured: a lean job starts in about a second, collecting, tables and figures take a few more for each scene.
 SECONDS_PER_JOB = 1.0
@@ -26,13 +25,11 @@ def estimate(scene: Scene) -> str:
         solved = sum(math.prod(p.recipe.shape) for p in plan.placements)
         work = solved * method.solver.seconds_per_scenario
         seconds += work + SECONDS_PER_JOB * len(plan.placements)
-        shards = f"{len(plan.placements)} shard(s), about {readable_seconds(work)}"
+        shards = f"{len(plan.placements)} shard(s), about {_duration(work)}"
         lines.append(f"  {method.name} ({method.solver.name}): {solved} to solve in {shards}")
     numbers = len(scene.methods) * scene.size * sum(_numbers(name, scene) for name in scene.outputs)
     seconds += 2 * numbers * SECONDS_PER_STORED_NUMBER
-    lines.append(
-        f"  in all about {readable_seconds(seconds)} on one core, at most {readable_bytes(16 * numbers)} on disk"
-    )
+    lines.append(f"  in all about {_duration(seconds)} on one core, at most {_size(16 * numbers)} on disk")
     return "\n".join(lines)
 
 
@@ -43,3 +40,17 @@ def _axes(scene: Scene) -> str:
 def _numbers(output: str, scene: Scene) -> int:
     nodes = max(int(method.options.get("nodes", 1)) for method in scene.methods)
     return {0: 1, 1: nodes, 2: 3 * nodes}[len(quantity(output).dims)]
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120.0:
+        return f"{max(seconds, 1.0):.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
+
+
+def _size(size: float) -> str:
+    for unit in ("bytes", "kB", "MB", "GB"):
+        if size < 1000.0:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{size:.3g} TB"
