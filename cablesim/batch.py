@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from cablesim.numerics import Array
-from cablesim.quantities import quantity
-from cablesim.solver import Solver, load_solver
+from cablesim.quantities import VECTOR, quantity
+from cablesim.solver import Solution, Solver, load_solver
 from cablesim.status import Status
 
 # Large enough that calls cost little, small enough that the arrays of a vectorised solver stay in the cache (measured).
@@ -29,19 +29,20 @@ class Results:
 
 
 def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | None = None, outputs: Any = ()) -> Results:
-    """Solve scenarios: `parameters` are scalars or arrays of one length, in SI; `outputs` defaults to all scalar ones.
+    """Solve scenarios: `parameters` are scalars or arrays of one length, in SI; `outputs` defaults to all but profiles.
 
+    A vector is given as (3,), as (n, 3) or by its components (`force_A_x`, ...), a word as text.
     Raises InputError for anything unknown, missing or impossible in the request.
     """
     chosen = load_solver(solver)
-    wanted = tuple(outputs) or scalar_outputs(chosen)
+    wanted = tuple(outputs) or default_outputs(chosen)
     chosen.check_outputs(wanted)
     return run(chosen, chosen.make_parameters(parameters), chosen.make_options(options or {}), wanted)
 
 
-def scalar_outputs(solver: Solver) -> tuple[str, ...]:
-    """The outputs that are one number per scenario."""
-    return tuple(name for name in solver.outputs if not quantity(name).dims)
+def default_outputs(solver: Solver) -> tuple[str, ...]:
+    """The outputs that are one number, or one vector, per scenario."""
+    return tuple(name for name in solver.outputs if quantity(name).dims in ((), VECTOR))
 
 
 def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]) -> Results:
@@ -50,12 +51,12 @@ def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...])
     status = np.empty(size, dtype=np.int8)
     iterations = np.zeros(size, dtype=np.int32)
     values: dict[str, Array] = {}
+    if solver.compiled:
+        _solve_block(solver, parameters.part(slice(0, 1)), options, outputs)
     start = perf_counter()
     for first in range(0, size, BLOCK):
         rows = slice(first, min(first + BLOCK, size))
-        with np.errstate(all="ignore"):
-            solution = solver.module.solve(parameters.part(rows), options)
-            found = {name: getattr(solution.answer, name) for name in outputs}
+        solution, found = _solve_block(solver, parameters.part(rows), options, outputs)
         status[rows] = _final_status(solution.status, found)
         if solver.iterates:
             iterations[rows] = solution.iterations
@@ -67,6 +68,14 @@ def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...])
             if failed.size:
                 values[name][rows][failed] = np.nan
     return Results(values, status, iterations, perf_counter() - start)
+
+
+def _solve_block(
+    solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]
+) -> tuple[Solution, dict[str, Array]]:
+    with np.errstate(all="ignore"):
+        solution = solver.module.solve(parameters, options)
+        return solution, {name: getattr(solution.answer, name) for name in outputs}
 
 
 def _final_status(status: np.ndarray, found: dict[str, Array]) -> np.ndarray:

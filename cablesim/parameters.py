@@ -6,15 +6,15 @@
 
 import dataclasses
 import re
-from dataclasses import dataclass, field
-from typing import Any, Self
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from cablesim import units
 from cablesim.errors import InputError, nearest
 from cablesim.numerics import Array
-from cablesim.quantities import quantity
-from cablesim.units import NUMBER
+from cablesim.quantities import COMPONENTS, component_names, is_vector, quantity
 
 # Beyond this no length, force or stiffness is physical, and squares of squares stay clear of overflow.
 LARGEST = 1e60
@@ -22,18 +22,24 @@ LARGEST = 1e60
 
 def parameter(
     *,
-    typical: tuple[float, float],
+    typical: tuple[float, float] | None = None,
     above: float | None = None,
-    default: float | None = None,
+    at_least: float | None = None,
+    below: float | None = None,
+    at_most: float | None = None,
+    default: float | str | None = None,
     instead_of: str | None = None,
+    words: tuple[str, ...] = (),
+    vector: bool = False,
 ) -> Any:
-    """A field of `Parameters`.
+    """A field of `Parameters`: a number, a word (one of `words`) or a `vector` of three components.
 
-    `typical` is the range that property tests and sampling start from; `above` an open lower bound; `instead_of` names
-    the parameter that this one replaces: exactly one of the two is given.
+    `typical` is the range that property tests and sampling start from; `above` and `below` are open bounds, `at_least`
+    and `at_most` closed ones; `instead_of` names the parameter that this one replaces: exactly one of the two is given.
     """
-    metadata = {"typical": typical, "above": above, "instead_of": instead_of, "default": default}
-    return field(default=default, metadata=metadata)
+    bounds = {"above": above, "at_least": at_least, "below": below, "at_most": at_most}
+    metadata = {"typical": typical, "default": default, "instead_of": instead_of, "words": words, "vector": vector}
+    return field(default=default, metadata={**metadata, **bounds})
 
 
 def option(
@@ -52,32 +58,31 @@ def option(
 
 @dataclass(frozen=True)
 class Batch:
-    """Parameters of many scenarios: every field a float array of shape (scenario,), checked when it is made.
+    """Parameters of many scenarios, checked when they are made.
 
-    Scalars and arrays of one length go together. Raises InputError naming the parameter, its value and unit, how many
-    are wrong and which is the first.
+    A number is a float array of shape (scenario,), a vector one of shape (scenario, 3), a word its position among the
+    declared words. Scalars and arrays of one length go together. `PROBLEMS` (optional) lists the groups of parameters
+    of which exactly one is given; the others are None. Raises InputError naming the parameter, its value and unit, how
+    many are wrong and which is the first.
     """
 
+    PROBLEMS: ClassVar[tuple[tuple[str, ...], ...]] = ()
+
     def __post_init__(self) -> None:
-        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
-        arrays = {
-            name: np.atleast_1d(np.asarray(value, dtype=float)) for name, value in given.items() if value is not None
-        }
-        check_given(type(self), set(arrays))
-        sizes = {array.size for array in arrays.values() if array.size != 1}
-        if len(sizes) > 1 or any(array.ndim > 1 for array in arrays.values()):
-            shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-            raise InputError(f"parameters must be scalars or arrays of one length, not {shapes}")
-        for spec in specs(type(self)):
-            if spec.name in arrays:
-                spec.check(arrays[spec.name])
+        given = {spec: value for spec in specs(type(self)) if (value := getattr(self, spec.name)) is not None}
+        check_given(type(self), {spec.name for spec in given})
+        arrays = {spec.name: spec.read(value) for spec, value in given.items()}
+        size = common_length(arrays)
+        for spec in given:
+            spec.check(arrays[spec.name])
         for name, array in arrays.items():
-            object.__setattr__(self, name, np.ascontiguousarray(np.broadcast_to(array, max(sizes, default=1))))
+            whole = np.broadcast_to(array, (size, *array.shape[1:]))
+            object.__setattr__(self, name, np.ascontiguousarray(whole))
 
     @property
     def size(self) -> int:
         """The number of scenarios."""
-        return next(v.size for f in dataclasses.fields(self) if (v := getattr(self, f.name)) is not None)
+        return next(len(v) for f in dataclasses.fields(self) if (v := getattr(self, f.name)) is not None)
 
     def part(self, rows: slice) -> Self:
         """Some of the scenarios, already checked."""
@@ -95,37 +100,122 @@ class NoOptions:
 
 @dataclass(frozen=True)
 class ParameterSpec:
-    """One parameter as declared: name, unit, bounds, default and what it may stand in for."""
+    """One parameter as declared: name, unit, bounds, words, default and what it may stand in for."""
 
     name: str
-    typical: tuple[float, float]
-    above: float | None
-    default: float | None
+    typical: tuple[float, float] | None
+    default: float | str | None
     instead_of: str | None
+    words: tuple[str, ...]
+    vector: bool
+    above: float | None
+    at_least: float | None
+    below: float | None
+    at_most: float | None
 
     @property
     def unit(self) -> str:
         return quantity(self.name).unit
 
-    def check(self, values: Array) -> None:
-        """Raises InputError unless every value is finite, inside the declared bound and of a physical magnitude."""
+    @property
+    def columns(self) -> tuple["ParameterSpec", ...]:
+        """The scalars that a design holds for it: itself, or the components of a vector."""
+        if not self.vector:
+            return (self,)
+        return tuple(replace(self, name=name, vector=False) for name in component_names(self.name))
+
+    def stored(self, value: float | str) -> float:
+        """A value as a design holds it: a word by its position."""
+        return float(self.words.index(value)) if isinstance(value, str) else value
+
+    def restored(self, values: Array) -> np.ndarray:
+        """Values that a design holds, with words as words again."""
+        return np.array(self.words)[values.astype(int)] if self.words else values
+
+    def read_text(self, text: str) -> Any:
+        """The value of a parameter given as text, as on the command line; the components of a vector have commas."""
+        if self.words:
+            return text
+        try:
+            values = [units.to_si(part, self.unit) for part in (text.split(",") if self.vector else [text])]
+        except InputError as problem:
+            raise InputError(f"{self.name}: {problem}") from None
+        return values if self.vector else values[0]
+
+    def read(self, value: Any) -> np.ndarray:
+        """The value as an array with one entry per scenario; bounds are left to `check`.
+
+        Raises InputError for what is no number, for an unknown word and for a vector without its three components.
+        """
+        if self.words:
+            return self._positions(value)
+        try:
+            array = np.asarray(value, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"{self.name} must be numbers, not {value!r:.60}") from None
+        if not self.vector:
+            return np.atleast_1d(array)
+        if array.ndim not in (1, 2) or array.shape[-1] != len(COMPONENTS):
+            found = array.shape[-1] if array.ndim else 1
+            raise InputError(f"{self.name} must have three components ({', '.join(COMPONENTS)}): it has {found}")
+        return np.atleast_2d(array)
+
+    def _positions(self, value: Any) -> np.ndarray:
+        given = np.atleast_1d(np.asarray(value))
+        # Columns of other libraries hold their texts as objects.
+        texts = np.array(given.tolist()) if given.dtype.kind in "OT" else given
+        if texts.dtype.kind != "U":
+            raise InputError(f"{self.name} must be one of {', '.join(self.words)}: it is {texts.flat[0]!s:.60}")
+        positions = np.full(texts.shape, -1, dtype=np.int64)
+        for position, word in enumerate(self.words):
+            positions[texts == word] = position
+        if (positions < 0).any():
+            unknown = str(texts.flat[int(np.argmax(positions < 0))])
+            raise InputError(f"{self.name}: unknown value {unknown!r:.60}: {nearest(unknown, self.words)}")
+        return positions
+
+    def check(self, values: np.ndarray) -> None:
+        """Raises InputError unless every value is finite, inside the declared bounds and of a physical magnitude."""
         if not values.size:
             raise InputError(f"{self.name} has no values")
-        least = -LARGEST if self.above is None else max(np.nextafter(self.above, np.inf), 1.0 / LARGEST)
+        least, most = self._least, self._most
         # A NaN is the minimum of whatever it stands among, and no comparison with it holds.
-        if values.min() >= least and values.max() <= LARGEST:
+        if values.min() >= least and values.max() <= most:
             return
-        bad = ~((values >= least) & (values <= LARGEST))
-        first = int(np.argmax(bad))
-        count = f"{int(bad.sum())} of {bad.size} are not (first: scenario {first}, " if bad.size > 1 else "it is "
-        closing = ")" if bad.size > 1 else ""
-        shown = "" if self.unit == "1" else f" {self.unit}"
-        raise InputError(f"{self.name} must be {self.bounds}: {count}{values.flat[first]:g}{shown}{closing}")
+        good = ((values >= least) & (values <= most)).reshape(len(values), -1).all(axis=1)
+        first = int(np.argmin(good))
+        count = f"{int((~good).sum())} of {good.size} are not (first: scenario {first}, " if good.size > 1 else "it is "
+        closing = ")" if good.size > 1 else ""
+        shown = ", ".join(f"{value:g}" for value in np.atleast_1d(values[first]))
+        raise InputError(f"{self.name} must be {self.bounds}: {count}{shown}{self._shown_unit}{closing}")
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """The declared bounds in signs, without the unit."""
+        signs = {">": self.above, ">=": self.at_least, "<": self.below, "<=": self.at_most}
+        return tuple(f"{sign} {bound:g}" for sign, bound in signs.items() if bound is not None)
 
     @property
     def bounds(self) -> str:
-        shown = "" if self.unit == "1" else f" {self.unit}"
-        return "finite" if self.above is None else f"finite and > {self.above:g}{shown}"
+        if not self.limits:
+            return "finite"
+        return ", ".join(("finite", *self.limits[:-1])) + f" and {self.limits[-1]}{self._shown_unit}"
+
+    @property
+    def _shown_unit(self) -> str:
+        return "" if self.unit == "1" else f" {self.unit}"
+
+    @property
+    def _least(self) -> float:
+        if self.above is not None:
+            return float(np.nextafter(self.above, np.inf)) if self.above else 1.0 / LARGEST
+        return -LARGEST if self.at_least is None else self.at_least
+
+    @property
+    def _most(self) -> float:
+        if self.below is not None:
+            return float(np.nextafter(self.below, -np.inf)) if self.below else -1.0 / LARGEST
+        return LARGEST if self.at_most is None else self.at_most
 
 
 @dataclass(frozen=True)
@@ -142,7 +232,7 @@ class OptionSpec:
     def read_text(self, text: str) -> Any:
         """The value of an option given as text, as on the command line."""
         wanted = type(self.default)
-        if wanted is str or not re.fullmatch(NUMBER, text):
+        if wanted is str or not re.fullmatch(units.NUMBER, text):
             return self.read(text)
         return self.read(int(text) if wanted is int and text.lstrip("+-").isdigit() else float(text))
 
@@ -177,14 +267,67 @@ def specs(parameters: type) -> tuple[ParameterSpec, ...]:
     return tuple(ParameterSpec(name=f.name, **f.metadata) for f in dataclasses.fields(parameters))
 
 
-def check_given(parameters: type, given: set[str]) -> None:
-    """Raises InputError unless every required parameter is given, and exactly one of each pair of alternatives."""
+def common_length(arrays: dict[str, np.ndarray]) -> int:
+    """The number of scenarios in arrays by name. Raises InputError unless all have that length, or one."""
+    sizes = {len(array) for array in arrays.values() if len(array) != 1}
+    if len(sizes) > 1 or any(array.ndim > 1 + is_vector(name) for name, array in arrays.items()):
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise InputError(f"parameters must be scalars or arrays of one length, not {shapes}")
+    return max(sizes, default=1)
+
+
+def gather(parameters: type, values: dict[str, Any]) -> dict[str, Any]:
+    """Values by parameter, where some may be given by column: the components of a vector are put together.
+
+    Raises InputError for a vector that lacks a component, or that is given twice.
+    """
+    gathered = dict(values)
+    for spec in specs(parameters):
+        if spec.name in vectors_by_component(parameters, set(values)):
+            parts = {column.name: column.read(gathered.pop(column.name)) for column in spec.columns}
+            size = common_length(parts)
+            gathered[spec.name] = np.stack([np.broadcast_to(part, (size,)) for part in parts.values()], axis=-1)
+    return gathered
+
+
+def vectors_by_component(parameters: type, given: set[str]) -> set[str]:
+    """The vectors whose components are given. Raises InputError for one that lacks any, or that is given twice."""
+    found = set()
+    for spec in specs(parameters):
+        missing = [column.name for column in spec.columns if column.name not in given]
+        if not spec.vector or len(missing) == len(spec.columns):
+            continue
+        if spec.name in given:
+            raise InputError(f"{spec.name} is given twice: as a whole and by its components")
+        if missing:
+            raise InputError(f"{spec.name} has three components: {' and '.join(missing)} must be given as well")
+        found.add(spec.name)
+    return found
+
+
+def problem_words(parameters: type[Batch]) -> str:
+    """The groups of parameters of which exactly one is given, in words; empty where there is no choice."""
+    return ", or ".join(" and ".join(problem) for problem in parameters.PROBLEMS)
+
+
+def check_given(parameters: type[Batch], given: set[str]) -> None:
+    """Raises InputError unless all that is required is given: one of each pair of alternatives, and one problem."""
     replaced = {spec.instead_of: spec.name for spec in specs(parameters) if spec.instead_of}
+    alternatives = {name for problem in parameters.PROBLEMS for name in problem}
     for spec in specs(parameters):
         other = replaced.get(spec.name)
         if other and spec.name in given and other in given:
             raise InputError(f"{spec.name} and {other} are both given: one of them says it all")
         if spec.name in given or (other and other in given) or spec.default is not None or spec.instead_of:
             continue
-        wanted = f"{spec.name} (or {other})" if other else spec.name
-        raise InputError(f"missing parameter {wanted} [{spec.unit}], {quantity(spec.name).meaning}")
+        if spec.name not in alternatives:
+            raise InputError(_missing(spec, f"{spec.name} (or {other})" if other else spec.name))
+    stated = [name for spec in specs(parameters) if spec.name in given and (name := spec.instead_of or spec.name)]
+    chosen = [name for name in stated if name in alternatives]
+    if alternatives and set(chosen) not in [set(problem) for problem in parameters.PROBLEMS]:
+        raise InputError(f"give {problem_words(parameters)}; given: {', '.join(chosen) or 'none of them'}")
+
+
+def _missing(spec: ParameterSpec, wanted: str) -> str:
+    kind = f"(one of {', '.join(spec.words)})" if spec.words else f"[{spec.unit}]"
+    return f"missing parameter {wanted} {kind}, {quantity(spec.name).meaning}"

@@ -4,14 +4,14 @@ Parameters, netCDF attributes, `cablesim describe` and figure axes all read this
 Units are spelled as CF (UDUNITS) wants them. A new solver adds a line for each quantity that is new.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cablesim.errors import InputError, nearest
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """`dims` are the dimensions a value has within one scenario: none for a scalar."""
+    """`dims` are the dimensions a value has within one scenario: none for a scalar, `component` for a vector."""
 
     name: str
     symbol: str
@@ -28,6 +28,7 @@ class Quantity:
 
 
 COMPONENTS = ("x", "y", "z")
+VECTOR = ("component",)
 
 TABLE = (
     # parameters of a hanging line
@@ -40,6 +41,23 @@ TABLE = (
     ),
     Quantity("axial_stiffness", "EA", "N", "tension per unit strain"),
     Quantity("permitted_error", r"\eta", "1", "largest permitted relative error of an approximate formula"),
+    # parameters of a line in a stream
+    Quantity("angle", r"\phi", "rad", "angle of the tangent above the direction of tow, that is against the stream"),
+    Quantity("critical_angle", r"\phi_c", "rad", "angle at which weight and normal drag of a straight line balance"),
+    Quantity("weight_ratio", "w", "1", "weight over normal drag of a line across the stream, per length"),
+    Quantity("friction_ratio", "f", "1", "tangential over normal drag, per length"),
+    Quantity("friction_law", r"f(\phi)", "1", "how the tangential drag depends on the angle to the stream"),
+    Quantity("reference_angle", r"\phi_0", "rad", "angle of the tangent at which the dimensionless functions start"),
+    Quantity("diameter", "D", "m", "diameter of the line"),
+    Quantity("normal_drag_coefficient", "C_n", "1", "drag coefficient of the line across the stream"),
+    Quantity("tangential_drag_coefficient", "C_t", "1", "drag coefficient of the line along the stream"),
+    Quantity("lay_angle", r"\beta", "rad", "angle of the strands of the line to its axis"),
+    Quantity("fluid_density", r"\rho", "kg m-3", "density of the fluid"),
+    Quantity("stream_speed", "U", "m s-1", "speed of the stream past the line"),
+    Quantity("heading", r"\psi", "rad", "direction in which the stream runs, from x towards y"),
+    Quantity("depth", "Z", "m", "height of end B above end A"),
+    Quantity("force_A", r"\mathbf{F}_A", "N", "tension times tangent at end A, tangent from A to B", ("component",)),
+    Quantity("position_B", r"\mathbf{r}_B", "m", "position of end B from end A", ("component",)),
     # what a hanging line answers
     Quantity("catenary_parameter", "a", "m", "horizontal tension over weight per length; radius at the vertex"),
     Quantity("horizontal_tension", "H", "N", "horizontal component of the tension, the same all along the line"),
@@ -56,12 +74,28 @@ TABLE = (
     Quantity("profile_tension", "T", "N", "tension along the line, at the nodes of its profile", ("node",)),
     Quantity("sag_limit_ratio", "(L/l)_d", "1", "largest length ratio at which the sag is within the permitted error"),
     Quantity("tension_limit_ratio", "(L/l)_T", "1", "largest length ratio at which the largest tension is within it"),
+    # what a line in a stream answers
+    Quantity("tau", r"\tau", "1", "tension over the tension at the reference angle"),
+    Quantity("sigma", r"\sigma", "1", "dimensionless length of the line from the reference angle"),
+    Quantity("xi", r"\xi", "1", "dimensionless horizontal distance from the reference angle"),
+    Quantity("eta", r"\eta", "1", "dimensionless vertical distance from the reference angle"),
+    Quantity("force_B", r"\mathbf{F}_B", "N", "tension times tangent at end B, tangent from A to B", ("component",)),
+    Quantity("closing_error", "e", "m", "distance by which the computed line misses its given end"),
+    Quantity("steps", "n", "1", "integration steps, or segments, in all"),
     # what every solver can tell of its work
     Quantity("iterations", "n", "1", "iterations taken by the method; 0 for a closed formula"),
     Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard"),
 )
 
-QUANTITIES = {quantity.name: quantity for quantity in TABLE}
+
+def is_vector(name: str) -> bool:
+    """Whether a quantity is a vector for each scenario."""
+    return quantity(name).dims == VECTOR
+
+
+def component_names(name: str) -> tuple[str, ...]:
+    """The scalars that a quantity consists of: "force_A_x", "force_A_y", "force_A_z" for a vector, else itself."""
+    return tuple(f"{name}_{component}" for component in COMPONENTS) if is_vector(name) else (name,)
 
 
 def quantity(name: str) -> Quantity:
@@ -70,3 +104,23 @@ def quantity(name: str) -> Quantity:
         return QUANTITIES[name]
     except KeyError:
         raise InputError(f"unknown quantity '{name}': {nearest(name, QUANTITIES)}") from None
+
+
+def _with_components(row: Quantity) -> tuple[Quantity, ...]:
+    """A row and, for a vector, those of its components."""
+    if row.dims != VECTOR:
+        return (row,)
+    parts = (
+        replace(
+            row,
+            name=f"{row.name}_{component}",
+            symbol=f"({row.symbol})_{component}",
+            meaning=f"{component} component of {row.name}, {row.meaning}",
+            dims=(),
+        )
+        for component in COMPONENTS
+    )
+    return (row, *parts)
+
+
+QUANTITIES = {row.name: row for entry in TABLE for row in _with_components(entry)}

@@ -18,7 +18,7 @@ import numpy as np
 
 from cablesim.config.scene import Method, Scene
 from cablesim.design import Axis
-from cablesim.quantities import quantity
+from cablesim.quantities import COMPONENTS, quantity
 from cablesim.sources import source_digest
 
 # A job pays about a second for its start; ten seconds of work keep that below a tenth.
@@ -88,7 +88,7 @@ def plan_methods(scene: Scene, known: Iterable[Recipe]) -> tuple[MethodPlan, ...
 
 
 def _plan_method(scene: Scene, method: Method, known: tuple[Recipe, ...]) -> MethodPlan:
-    own = [(i, own) for i, axis in enumerate(scene.design.axes) if (own := axis.only(method.parameters)) is not None]
+    own = [(i, own) for i, axis in enumerate(scene.design.axes) if (own := axis.only(method.columns)) is not None]
     axes = tuple(axis for _, axis in own)
     blank = Recipe(
         method.solver.name,
@@ -116,21 +116,26 @@ def _plan_method(scene: Scene, method: Method, known: tuple[Recipe, ...]) -> Met
 
 def scenarios_per_shard(method: Method, outputs: tuple[str, ...]) -> int:
     """How many scenarios are worth a job: by the solver's measured cost, and by the memory its outputs take."""
-    nodes = int(method.options.get("nodes", 1))
-    numbers = sum(
-        nodes * (3 if "component" in quantity(name).dims else 1) if quantity(name).dims else 1 for name in outputs
-    )
+    numbers = numbers_per_scenario(outputs, int(method.options.get("nodes", 1)))
     by_time = SECONDS_PER_SHARD / method.solver.seconds_per_scenario
     return max(1, int(min(by_time, MOST_SCENARIOS, MOST_BYTES / (8 * max(numbers, 1)))))
+
+
+def numbers_per_scenario(outputs: tuple[str, ...], nodes: int) -> int:
+    """How many numbers the outputs of one scenario are."""
+    sizes = {"node": nodes, "component": len(COMPONENTS)}
+    return sum(math.prod(sizes[dim] for dim in quantity(name).dims) for name in outputs)
 
 
 def _fixed(method: Method, fixed: dict[str, float], axes: tuple[Axis, ...]) -> dict[str, float]:
     """Every parameter that does not vary, defaults included, so that a default spelled out is no other scenario."""
     varying = {name for axis in axes for name in axis.columns}
     defaults = {
-        n: spec.default for n, spec in method.solver.parameters.items() if spec.default is not None and n not in varying
+        name: spec.stored(spec.default)
+        for name, spec in method.solver.columns.items()
+        if spec.default is not None and name not in varying
     }
-    return {**defaults, **{name: value + 0.0 for name, value in fixed.items() if name in method.parameters}}
+    return {**defaults, **{name: value + 0.0 for name, value in fixed.items() if name in method.columns}}
 
 
 def _answers(recipe: Recipe, blank: Recipe) -> bool:

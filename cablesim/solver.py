@@ -7,6 +7,7 @@
     solve(parameters, options) -> Solution; its answer has an attribute for every output, and one that is a cached
                  property costs nothing unless it is asked for
     ITERATES     (optional) True where it reports its iterations
+    COMPILED     (optional) True where its first call compiles or loads machine code
 
 Nothing registers itself: solvers are found by looking into the folder, and only the one asked for is imported. Modules
 whose name starts with an underscore are shared parts, not solvers.
@@ -24,7 +25,16 @@ from typing import Any
 import numpy as np
 
 from cablesim.errors import InputError, nearest
-from cablesim.parameters import NoOptions, OptionSpec, ParameterSpec, check_given, specs
+from cablesim.parameters import (
+    NoOptions,
+    OptionSpec,
+    ParameterSpec,
+    check_given,
+    gather,
+    problem_words,
+    specs,
+    vectors_by_component,
+)
 
 PACKAGE = Path(__file__).parent
 FOLDER = PACKAGE / "solvers"
@@ -63,6 +73,11 @@ class Solver:
         return getattr(self.module, "ITERATES", False)
 
     @property
+    def compiled(self) -> bool:
+        """Whether its first call takes longer, because it compiles or loads machine code."""
+        return getattr(self.module, "COMPILED", False)
+
+    @property
     def seconds_per_scenario(self) -> float:
         return self.module.SECONDS_PER_SCENARIO
 
@@ -71,17 +86,45 @@ class Solver:
         return {spec.name: spec for spec in specs(self.module.Parameters)}
 
     @cached_property
+    def columns(self) -> dict[str, ParameterSpec]:
+        """The parameters as designs hold them: scalars, a vector by its components."""
+        return {column.name: column for spec in self.parameters.values() for column in spec.columns}
+
+    @property
+    def problems(self) -> str:
+        """The groups of parameters of which exactly one is given, in words."""
+        return problem_words(self.module.Parameters)
+
+    @cached_property
     def options(self) -> dict[str, OptionSpec]:
         fields = dataclasses.fields(getattr(self.module, "Options", NoOptions))
         return {f.name: OptionSpec(f.name, f.default, **f.metadata) for f in fields}
 
+    def parameter(self, name: str) -> ParameterSpec:
+        """A parameter, or a component of one, as declared. Raises InputError, with the nearest names, if unknown."""
+        known = {**self.parameters, **self.columns}
+        if name not in known:
+            raise InputError(f"{self.name} has no parameter '{name}': {nearest(name, known)}")
+        return known[name]
+
     def make_parameters(self, values: dict[str, Any]) -> Any:
         """A batch of scenarios. Raises InputError for an unknown, missing or impossible parameter."""
         for name in values:
-            if name not in self.parameters:
-                raise InputError(f"{self.name} has no parameter '{name}': {nearest(name, self.parameters)}")
-        check_given(self.module.Parameters, set(values))
-        return self.module.Parameters(**values)
+            self.parameter(name)
+        gathered = gather(self.module.Parameters, values)
+        check_given(self.module.Parameters, set(gathered))
+        return self.module.Parameters(**gathered)
+
+    def check_columns(self, names: set[str]) -> None:
+        """Raises InputError unless these columns of a design, and the defaults, are all that it needs."""
+        whole = vectors_by_component(self.module.Parameters, names)
+        check_given(self.module.Parameters, whole | {name for name in names if name in self.parameters})
+
+    def from_columns(self, columns: dict[str, Any]) -> Any:
+        """A batch from the columns of a design, in which a word is a number."""
+        return self.make_parameters(
+            {name: self.columns[name].restored(np.asarray(values)) for name, values in columns.items()}
+        )
 
     def make_options(self, values: dict[str, Any]) -> Any:
         """The numerical options. Raises InputError for an unknown one or a value that is not allowed."""

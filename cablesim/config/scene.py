@@ -15,7 +15,7 @@ from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table, read_table
 from cablesim.design import Design
 from cablesim.errors import InputError, nearest
-from cablesim.parameters import ParameterSpec, check_given
+from cablesim.parameters import ParameterSpec
 from cablesim.quantities import quantity
 from cablesim.solver import Solver, load_solver
 
@@ -33,8 +33,9 @@ class Method:
     ignores: frozenset[str]
 
     @property
-    def parameters(self) -> set[str]:
-        return set(self.solver.parameters)
+    def columns(self) -> set[str]:
+        """The parameters that it has, as designs hold them."""
+        return set(self.solver.columns)
 
 
 @dataclass(frozen=True)
@@ -265,6 +266,6 @@ def _check_methods(
             place.mapping(optional=None)["ignores"].fail(
                 f"no scenario has a parameter '{name}': {nearest(name, given)}"
             )
-        for name in sorted(given - method.parameters - method.ignores):
+        for name in sorted(given - method.columns - method.ignores):
             place.fail(f"{method.solver.name} has no parameter '{name}': say 'ignores: [{name}]' if that is meant")
-        place.located(check_given, method.solver.module.Parameters, given & method.parameters)
+        place.located(method.solver.check_columns, given & method.columns)

@@ -25,7 +25,7 @@ STORAGE = {"fletcher32": True}
 def solve_recipe(recipe: Recipe) -> Results:
     """Solve every scenario of a shard, in C order of its axes."""
     solver = load_solver(recipe.solver)
-    parameters = solver.make_parameters({**recipe.fixed, **expand(recipe.axes)})
+    parameters = solver.from_columns({**recipe.fixed, **expand(recipe.axes)})
     return batch.run(solver, parameters, solver.make_options(recipe.options), recipe.outputs)
 
 

@@ -3,8 +3,7 @@
 import math
 
 from cablesim.config.scene import Scene
-from cablesim.quantities import quantity
-from cablesim.shards import plan_methods
+from cablesim.shards import numbers_per_scenario, plan_methods
 
 # Measured: a lean job starts in about a second, collecting, tables and figures take a few more for each scene.
 SECONDS_PER_JOB = 1.0
@@ -27,7 +26,8 @@ def estimate(scene: Scene) -> str:
         seconds += work + SECONDS_PER_JOB * len(plan.placements)
         shards = f"{len(plan.placements)} shard(s), about {_duration(work)}"
         lines.append(f"  {method.name} ({method.solver.name}): {solved} to solve in {shards}")
-    numbers = len(scene.methods) * scene.size * sum(_numbers(name, scene) for name in scene.outputs)
+    nodes = max(int(method.options.get("nodes", 1)) for method in scene.methods)
+    numbers = len(scene.methods) * scene.size * numbers_per_scenario(scene.outputs, nodes)
     seconds += 2 * numbers * SECONDS_PER_STORED_NUMBER
     lines.append(f"  in all about {_duration(seconds)} on one core, at most {_size(16 * numbers)} on disk")
     return "\n".join(lines)
@@ -35,11 +35,6 @@ def estimate(scene: Scene) -> str:
 
 def _axes(scene: Scene) -> str:
     return " x ".join(f"{axis.name} {axis.size}" for axis in scene.design.axes)
-
-
-def _numbers(output: str, scene: Scene) -> int:
-    nodes = max(int(method.options.get("nodes", 1)) for method in scene.methods)
-    return {0: 1, 1: nodes, 2: 3 * nodes}[len(quantity(output).dims)]
 
 
 def _duration(seconds: float) -> str:

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from cablesim.batch import scalar_outputs
+from cablesim.batch import default_outputs
 from cablesim.plan import read_plan
 from cablesim.solver import load_solver, solver_names
 from tests.cli.helpers import Answer, scene, tree
@@ -90,7 +90,7 @@ def solved(ask: Ask, *arguments: str, code: int = 0) -> dict[str, Any]:
 
 def test_solve_prints_one_object_with_outputs_status_and_units(ask: Ask) -> None:
     found = solved(ask, *LINE)
-    outputs = scalar_outputs(load_solver("catenary_exact"))
+    outputs = default_outputs(load_solver("catenary_exact"))
     assert list(found) == [*outputs, "status", "units"]
     assert found["status"] == "ok"
     assert list(found["units"]) == list(outputs)
@@ -140,7 +140,7 @@ def test_solve_prints_a_line_for_people_on_each_output(ask: Ask) -> None:
     answer = ask("solve", "catenary_exact", *LINE)
     assert (answer.code, answer.err) == (0, "")
     lines = {line.split()[0]: line for line in answer.text.splitlines()}
-    assert list(lines) == [*scalar_outputs(load_solver("catenary_exact")), "status"]
+    assert list(lines) == [*default_outputs(load_solver("catenary_exact")), "status"]
     assert "0.73085949 m " in lines["sag"] and "largest vertical distance" in lines["sag"]
     assert "ok" in lines["status"] and "solved" in lines["status"]
 

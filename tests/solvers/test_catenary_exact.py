@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cablesim.batch import Results, scalar_outputs, solve
+from cablesim.batch import Results, default_outputs, solve
 from cablesim.numerics import Array
 from cablesim.solver import load_solver
 from cablesim.status import Status
@@ -28,7 +28,7 @@ def reference(given: str) -> tuple[dict[str, Array], Results]:
 
 
 @pytest.mark.parametrize("given", ["line_length", "length_ratio"])
-@pytest.mark.parametrize("output", scalar_outputs(SOLVER))
+@pytest.mark.parametrize("output", default_outputs(SOLVER))
 def test_every_output_keeps_the_promised_digits(output: str, given: str) -> None:
     expected, found = reference(given)
     assert (found.status == Status.ok).all()

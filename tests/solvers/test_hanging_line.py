@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from cablesim.batch import Results, scalar_outputs, solve
+from cablesim.batch import Results, default_outputs, solve
 from cablesim.numerics import Array
 from cablesim.solver import load_solver
 from cablesim.status import Status
@@ -184,7 +184,7 @@ def assert_same(one: Results, other: Results, which: slice | np.ndarray) -> None
 
 def test_the_number_of_nodes_does_not_change_the_line(solver: str) -> None:
     some = rows(feasible(solver), slice(100))
-    names = scalar_outputs(load_solver(solver))
+    names = default_outputs(load_solver(solver))
     coarse, fine = (solve(solver, some, {"nodes": nodes}, (*names, "profile")).outputs for nodes in (2, 51))
     assert coarse.pop("profile").shape == (100, 2, 3) and fine.pop("profile").shape == (100, 51, 3)
     for name in names:
