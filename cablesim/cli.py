@@ -57,26 +57,19 @@ def describe(solver: str) -> None:
 @click.argument("solver")
 @click.argument("parameters", nargs=-1, metavar="NAME=VALUE...")
 @click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="A numerical option of the solver.")
-@click.option("--outputs", metavar="NAME,...", help="Only these outputs (default: all that are one number).")
+@click.option("--outputs", metavar="NAME,...", help="Only these outputs (default: all but profiles).")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object, in SI.")
 def solve(
     solver: str, parameters: tuple[str, ...], options: tuple[str, ...], outputs: str | None, as_json: bool
 ) -> int:
     """Solve one scenario: cablesim solve catenary_exact span=2.5 line_length=3 weight_per_length="3 N/m"."""
-    from cablesim import batch, units
+    from cablesim import batch
     from cablesim.quantities import quantity
     from cablesim.solver import load_solver
     from cablesim.status import Status
 
     chosen = load_solver(solver)
-    values = {}
-    for name, text in _pairs(parameters).items():
-        if name not in chosen.parameters:
-            chosen.make_parameters({name: 1.0})
-        try:
-            values[name] = units.to_si(text, chosen.parameters[name].unit)
-        except InputError as problem:
-            raise InputError(f"{name}: {problem}") from None
+    values = {name: chosen.parameter(name).read_text(text) for name, text in _pairs(parameters).items()}
     results = batch.solve(solver, values, _options(chosen, options), _names(outputs))
     status = Status(int(results.status[0]))
     answer = {name: _plain(value[0]) for name, value in results.outputs.items()}
@@ -85,7 +78,7 @@ def solve(
         click.echo(json.dumps({**answer, "status": status.name, "units": given}))
     else:
         for name, value in answer.items():
-            click.echo(f"{name:<20} {_shown(value):>14} {quantity(name).unit:<6} {quantity(name).meaning}")
+            click.echo(f"{name:<20} {_shown(name, value):>14} {quantity(name).unit:<6} {quantity(name).meaning}")
         click.echo(f"{'status':<20} {status.name:>14} {'':<6} {status.sentence}")
     return 0 if status is Status.ok else EXIT_FLAGGED
 
@@ -298,7 +291,11 @@ def _plain(value: Any) -> Any:
     return float(value) if math.isfinite(value) else None
 
 
-def _shown(value: Any) -> str:
+def _shown(name: str, value: Any) -> str:
+    from cablesim.quantities import is_vector
+
+    if is_vector(name):
+        return ", ".join(_shown("", component) for component in value)
     if isinstance(value, list):
         return f"{len(value)} nodes"
     return "-" if value is None else f"{value:.8g}"

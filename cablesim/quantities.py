@@ -90,11 +90,11 @@ TABLE = (
 
 def is_vector(name: str) -> bool:
     """Whether a quantity is a vector for each scenario."""
-    return quantity(name).dims == VECTOR
+    return name in QUANTITIES and QUANTITIES[name].dims == VECTOR
 
 
 def component_names(name: str) -> tuple[str, ...]:
-    """The scalars that a quantity consists of: "force_A_x", "force_A_y", "force_A_z" for a vector, else itself."""
+    """The scalars that a name stands for: "force_A_x", "force_A_y", "force_A_z" for a vector, else itself."""
     return tuple(f"{name}_{component}" for component in COMPONENTS) if is_vector(name) else (name,)
 
 

@@ -90,6 +90,11 @@ class Solver:
         """The parameters as designs hold them: scalars, a vector by its components."""
         return {column.name: column for spec in self.parameters.values() for column in spec.columns}
 
+    @cached_property
+    def names(self) -> dict[str, ParameterSpec]:
+        """Every name by which a parameter, or a component of one, may be given."""
+        return {**self.parameters, **self.columns}
+
     @property
     def problems(self) -> str:
         """The groups of parameters of which exactly one is given, in words."""
@@ -102,10 +107,9 @@ class Solver:
 
     def parameter(self, name: str) -> ParameterSpec:
         """A parameter, or a component of one, as declared. Raises InputError, with the nearest names, if unknown."""
-        known = {**self.parameters, **self.columns}
-        if name not in known:
-            raise InputError(f"{self.name} has no parameter '{name}': {nearest(name, known)}")
-        return known[name]
+        if name not in self.names:
+            raise InputError(f"{self.name} has no parameter '{name}': {nearest(name, self.names)}")
+        return self.names[name]
 
     def make_parameters(self, values: dict[str, Any]) -> Any:
         """A batch of scenarios. Raises InputError for an unknown, missing or impossible parameter."""

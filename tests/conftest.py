@@ -7,7 +7,11 @@ from pathlib import Path
 
 import pytest
 
+import cablesim.solvers
+from cablesim import solver, sources
+
 PROJECT = Path(__file__).parent.parent
+EXAMPLES = Path(__file__).parent / "example_solvers"
 
 
 @pytest.fixture(scope="session")
@@ -21,3 +25,15 @@ def default_study(tmp_path_factory) -> Path:
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600, check=False)
     assert run.returncode == 0, run.stdout + run.stderr
     return folder
+
+
+@pytest.fixture
+def pulled_line(monkeypatch):
+    """A solver with words, vectors and problem kinds, found as if it lay in the folder of the solvers."""
+    name = "pulled_line"
+    names = sorted([name, *solver.solver_names()])
+    monkeypatch.setattr(cablesim.solvers, "__path__", [*cablesim.solvers.__path__, str(EXAMPLES)])
+    monkeypatch.setattr(solver, "solver_names", lambda: names)
+    monkeypatch.setattr(sources, "code_digest", lambda modules, parts: modules[0])
+    yield solver.load_solver(name)
+    solver.load_solver.cache_clear()

@@ -22,14 +22,17 @@ def read_table(path: Path) -> dict[str, Array]:
     return {name: np.array([float(cell or "nan") for cell in cells]) for name, cells in zip(head, columns, strict=True)}
 
 
-def draw(solver: str, size: int, seed: int) -> dict[str, Array]:
-    """Random parameters from the typical ranges that a solver declares; no parameter that replaces another one."""
+def draw(solver: str, size: int, seed: int) -> dict[str, np.ndarray]:
+    """Random parameters of a solver's first problem from the ranges that it declares; none that replaces another."""
     rng = np.random.default_rng(seed)
-    parameters = load_solver(solver).parameters.values()
-    return {spec.name: _spread(spec, size, rng) for spec in parameters if spec.instead_of is None}
+    chosen = load_solver(solver)
+    first, *others = chosen.module.Parameters.PROBLEMS or ((),)
+    left_out = {name for problem in others for name in problem} - set(first)
+    wanted = [s for s in chosen.parameters.values() if s.instead_of is None and s.name not in left_out]
+    return {spec.name: _spread(spec, size, rng) for spec in wanted}
 
 
-def rows(columns: dict[str, Array], which: np.ndarray | int) -> dict[str, Array]:
+def rows(columns: dict[str, np.ndarray], which: np.ndarray | int) -> dict[str, np.ndarray]:
     """Some of the scenarios."""
     return {name: values[which] for name, values in columns.items()}
 
@@ -39,8 +42,12 @@ def relative_error(found: Array, expected: Array, scale: Array | float = 0.0) ->
     return np.abs(found - expected) / np.maximum(np.abs(expected), scale)
 
 
-def _spread(spec: ParameterSpec, size: int, rng: np.random.Generator) -> Array:
+def _spread(spec: ParameterSpec, size: int, rng: np.random.Generator) -> np.ndarray:
+    if spec.words:
+        return rng.choice(spec.words, size)
     low, high = spec.typical
-    if spec.above is None:
+    if spec.vector:
+        return rng.uniform(low, high, (size, 3))
+    if spec.above is None or low <= 0.0:
         return rng.uniform(low, high, size)
     return np.exp(rng.uniform(np.log(low), np.log(high), size))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cablesim import batch
-from cablesim.quantities import QUANTITIES
+from cablesim.quantities import QUANTITIES, is_vector
 from cablesim.solver import Solver, load_solver, solver_names
 from cablesim.status import Status
 from tests.helpers import draw
@@ -19,6 +19,8 @@ def scenarios(solver: Solver, size: int) -> dict[str, np.ndarray]:
 def test_every_name_is_in_the_table_of_quantities(solver):
     assert set(solver.outputs) <= set(QUANTITIES)
     assert set(solver.parameters) <= set(QUANTITIES)
+    for name, spec in solver.parameters.items():
+        assert spec.vector == is_vector(name), name
 
 
 def test_the_docstring_starts_with_a_sentence_and_names_a_reference(solver):
@@ -73,13 +75,16 @@ def test_inputs_are_never_changed(solver):
 def test_every_parameter_is_checked_at_the_door(solver):
     from cablesim.errors import InputError
 
-    for name, spec in solver.parameters.items():
-        if spec.instead_of is not None:
-            continue
-        values = scenarios(solver, 3)
-        values[name][1] = np.nan
-        with pytest.raises(InputError, match=rf"^{name} must be finite.*1 of 3 are not \(first: scenario 1"):
-            batch.solve(solver.name, values)
+    for name, value in scenarios(solver, 3).items():
+        if solver.parameters[name].words:
+            wrong = np.where(np.arange(3) == 1, "nonsense", value)
+            complaint = f"^{name}: unknown value 'nonsense'"
+        else:
+            wrong = value.copy()
+            wrong[1] = np.nan
+            complaint = rf"^{name} must be finite.*1 of 3 are not \(first: scenario 1"
+        with pytest.raises(InputError, match=complaint):
+            batch.solve(solver.name, {**scenarios(solver, 3), name: wrong})
 
 
 def test_the_solver_says_how_many_iterations_it_took_if_it_iterates(solver):

@@ -12,12 +12,15 @@ from cablesim.design import SCENARIO, Axis, Design
 from cablesim.errors import InputError, nearest
 from cablesim.numerics import Array
 from cablesim.parameters import ParameterSpec
+from cablesim.quantities import COMPONENTS, component_names
 
 MOST_SCENARIOS = 200_000_000
 # Generated axis values are rounded to this many significant digits, so that 1.01 means 1.01 and not its neighbour.
 AXIS_DIGITS = 12
 
+# Parameters by every name that they, or their components, may be given by.
 Specs = dict[str, ParameterSpec]
+Columns = dict[str, Array]
 
 
 def read_design(node: Node, parameters: Specs) -> tuple[Design, tuple[Table, ...]]:
@@ -37,11 +40,18 @@ def _read_grid(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[T
     if not entries:
         node.fail("the grid is empty: at least one axis is needed")
     _check_size(node, math.prod(_length(entry) for entry in entries.values()))
-    axes = []
+    axes: list[Axis] = []
     for name, entry in entries.items():
-        values = _read_axis(entry, _spec(entry, name, parameters))
-        axes.append(Axis(name, {name: values}))
+        columns = _read_axis(entry, _spec(entry, name, parameters))
+        for axis in axes:
+            _check_new(entry, columns, axis.columns)
+        axes.append(Axis(name, columns))
     return tuple(axes), (), None
+
+
+def _check_new(node: Node, columns: Columns, others: Columns) -> None:
+    for name in columns.keys() & others.keys():
+        node.fail(f"'{name}' is given twice")
 
 
 def _length(node: Node) -> int:
@@ -57,12 +67,42 @@ def _check_size(node: Node, size: int) -> None:
         node.fail(f"{size} scenarios are too many: at most {MOST_SCENARIOS}")
 
 
-def _read_axis(node: Node, spec: ParameterSpec) -> Array:
+def read_values(nodes: list[Node], spec: ParameterSpec) -> Columns:
+    """The values of a parameter, one a node, as the columns that a design holds."""
+    points = np.array([_read_value(node, spec) for node in nodes])
+    return {column.name: values for column, values in zip(spec.columns, points.T.copy(), strict=True)}
+
+
+def _read_value(node: Node, spec: ParameterSpec) -> tuple[float, ...]:
+    if spec.words:
+        return (spec.stored(node.choice(spec.words)),)
+    if not spec.vector:
+        return (node.number(spec.unit),)
+    entries = node.sequence()
+    if len(entries) != len(COMPONENTS):
+        node.fail(f"{spec.name} has three components ({', '.join(COMPONENTS)}), not {len(entries)}")
+    return tuple(entry.number(spec.unit) for entry in entries)
+
+
+def check_values(node: Node, spec: ParameterSpec, columns: Columns) -> None:
+    """Raises InputError, with the place, unless every column of a parameter is within its bounds."""
+    for column in spec.columns:
+        node.located(column.check, columns[column.name])
+
+
+def _read_axis(node: Node, spec: ParameterSpec) -> Columns:
     if isinstance(node.value, list):
-        entries = node.sequence()
-        values = np.array([entry.number(spec.unit) for entry in entries])
-        _check_axis(node, spec, values)
-        return values
+        columns = read_values(node.sequence(), spec)
+    elif spec.words or spec.vector:
+        node.fail(f"a list of {'words' if spec.words else 'vectors'} is expected")
+    else:
+        columns = {spec.name: _spaced(node, spec)}
+    check_values(node, spec, columns)
+    _check_different(node, spec, np.column_stack(list(columns.values())))
+    return columns
+
+
+def _spaced(node: Node, spec: ParameterSpec) -> Array:
     keys = node.mapping(("start", "stop", "num"), ("spacing", "origin", "also"))
     num = keys["num"].whole(2, 100_000_000)
     start, stop, origin, logarithmic = _read_range(node, keys, spec)
@@ -71,7 +111,6 @@ def _read_axis(node: Node, spec: ParameterSpec) -> Array:
     if "also" in keys:
         extra = np.array([entry.number(spec.unit) for entry in keys["also"].sequence()])
         values = np.unique(np.concatenate([values, extra]))
-    _check_axis(node, spec, values)
     return values
 
 
@@ -92,11 +131,13 @@ def _rounded(values: Array) -> Array:
     return np.round(values * scale) / scale
 
 
-def _check_axis(node: Node, spec: ParameterSpec, values: Array) -> None:
-    node.located(spec.check, values)
-    unique, counts = np.unique(values, return_counts=True)
-    if unique.size < values.size:
-        node.fail(f"the value {unique[np.argmax(counts > 1)]:.17g} appears {counts.max()} times")
+def _check_different(node: Node, spec: ParameterSpec, points: Array) -> None:
+    ordered = points[np.lexsort(points.T)]
+    repeated = (ordered[1:] == ordered[:-1]).all(axis=1)
+    if repeated.any():
+        point = ordered[int(np.argmax(repeated))]
+        shown = spec.words[int(point[0])] if spec.words else ", ".join(f"{value:.17g}" for value in point)
+        node.fail(f"the value {shown} appears {int((points == point).all(axis=1).sum())} times")
 
 
 def _read_cases(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[Table, ...], None]:
@@ -106,14 +147,16 @@ def _read_cases(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple[
     names = list(rows[0])
     if not names:
         node.fail("a case needs at least one parameter")
-    columns: dict[str, Array] = {}
+    columns: Columns = {}
     for name in names:
         spec = _spec(rows[0][name], name, parameters)
         for entry, row in zip(node.sequence(), rows, strict=True):
             if set(row) != set(names):
                 entry.fail(f"every case must have the same parameters: {', '.join(names)}")
-        columns[name] = np.array([row[name].number(spec.unit) for row in rows])
-        node.located(spec.check, columns[name])
+        found = read_values([row[name] for row in rows], spec)
+        check_values(node, spec, found)
+        _check_new(node, found, columns)
+        columns |= found
     return (Axis(SCENARIO, columns),), (), None
 
 
@@ -144,10 +187,21 @@ def _table_axis(columns: Node | None, node: Node, table: Table, parameters: Spec
     values = {}
     for name in names:
         place = formulas.get(name, node)
-        spec = _spec(place, name, parameters)
-        values[name] = table.evaluate(formulas[name].formula() if name in formulas else name, spec.unit)
+        spec = _column_spec(place, name, parameters)
+        values[name] = _from_table(table, formulas[name].formula() if name in formulas else name, spec)
         place.located(spec.check, values[name])
     return Axis(SCENARIO, values, {"row": np.arange(table.rows)})
+
+
+def _from_table(table: Table, formula: str, spec: ParameterSpec) -> Array:
+    """A parameter for every row: a formula over the columns, or a word: the column of that name, or the word itself."""
+    if not spec.words:
+        return table.evaluate(formula, spec.unit)
+    texts = table.columns.get(formula, (formula,) * table.rows)
+    for row, text in enumerate(texts):
+        if text not in spec.words:
+            raise InputError(f"{table.path}: row {row + 1}: unknown value {text!r:.60}: {nearest(text, spec.words)}")
+    return np.array([spec.stored(text) for text in texts])
 
 
 def _keyed_axis(node: Node, table: Table, parameters: Specs) -> Axis:
@@ -165,8 +219,8 @@ def _keyed_axis(node: Node, table: Table, parameters: Specs) -> Axis:
         for rounding, shift in ROUNDINGS.items():
             moved = shifted(table, key, shift)
             for name, formula in formulas.items():
-                spec = _spec(entry, name, parameters)
-                values.setdefault(name, []).append(moved.evaluate(formula, spec.unit))
+                spec = _column_spec(entry, name, parameters)
+                values.setdefault(name, []).append(_from_table(moved, formula, spec))
                 entry.located(spec.check, values[name][-1])
             labels["row"].append(np.arange(table.rows))
             labels["key"].append(np.full(table.rows, key))
@@ -208,7 +262,9 @@ def _read_sample(node: Node, parameters: Specs) -> tuple[tuple[Axis, ...], tuple
     points = engine.random(drawn)[:num]
     columns = {}
     for (name, entry), unit_values in zip(ranges.items(), points.T, strict=True):
-        spec = _spec(entry, name, parameters)
+        spec = _column_spec(entry, name, parameters)
+        if spec.words:
+            entry.fail("a word has no range: vary it along an axis of a grid, or among cases")
         columns[name] = _stretch(entry, spec, unit_values)
         entry.located(spec.check, columns[name])
     return (Axis(SCENARIO, columns),), (), seed
@@ -226,3 +282,11 @@ def _spec(node: Node, name: str, parameters: Specs) -> ParameterSpec:
     if name not in parameters:
         node.fail(f"no method has a parameter '{name}': {nearest(name, parameters)}")
     return parameters[name]
+
+
+def _column_spec(node: Node, name: str, parameters: Specs) -> ParameterSpec:
+    """A parameter that is one column; a vector is asked for its components."""
+    spec = _spec(node, name, parameters)
+    if spec.vector:
+        node.fail(f"'{name}' is a vector: give {', '.join(component_names(name))}")
+    return spec

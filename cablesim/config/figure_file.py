@@ -106,8 +106,15 @@ def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
     name, entry = next(iter(entries.items()))
     if name not in axes[0].columns:
         entry.fail(f"'{name}' does not vary in this scene")
-    unit = stage.names.lookup(name)
-    return {"at": {name: [item.number(unit.unit if unit else "1") for item in entry.sequence()]}}
+    return {"at": {name: [_read_point(item, name, stage) for item in entry.sequence()]}}
+
+
+def _read_point(node: Node, name: str, stage: Stage) -> float | str:
+    """A value of a varying parameter; a word must be one that occurs."""
+    spec = stage.names.parameters[name]
+    if not spec.words:
+        return node.number(spec.unit)
+    return node.choice(tuple(spec.restored(stage.names.design.axes[0].columns[name]).tolist()))
 
 
 def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:
@@ -121,8 +128,10 @@ def _number(node: Node, stage: Stage) -> tuple[str, set[str]]:
     """A formula and the axes along which it varies; a scene's only method needs no choosing."""
     formula = node.formula()
     along = node.located(stage.names.number, formula)
-    if along & {"node", "component"}:
+    if "node" in along:
         node.fail("a profile has many values a scenario: only a figure of kind profiles shows it")
+    if "component" in along:
+        node.fail("a vector has three values a scenario: take a component, as in force_B_z")
     return formula, along - {METHOD} if len(stage.names.methods) == 1 else along
 
 

@@ -13,7 +13,8 @@ from cablesim.config.table import Table
 from cablesim.design import SCENARIO, Design
 from cablesim.errors import InputError, nearest
 from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
-from cablesim.quantities import quantity
+from cablesim.parameters import ParameterSpec
+from cablesim.quantities import component_names, quantity
 from cablesim.status import Status
 
 METHOD = "method"
@@ -25,6 +26,7 @@ class Rehearsal:
 
     design: Design
     fixed: dict[str, float]
+    parameters: dict[str, ParameterSpec]
     methods: tuple[str, ...]
     outputs: tuple[str, ...]
     table: Table | None = None
@@ -43,23 +45,29 @@ class Rehearsal:
         if head == "table" and self.table is not None and tail in self.table.columns:
             return Term(self._along((SCENARIO,)), BARE)
         if head:
-            return self._output(tail, ()) if head in self.methods and tail in (*self.outputs, "run_time") else None
+            return self._output(tail, ()) if head in self.methods and tail in self._answers else None
         if name == METHOD:
             return Term(self._words((METHOD,), self.methods), WORDS, self.methods)
         if name == "status":
             words = tuple(status.name for status in Status)
             return Term(self._words(self._scenario_dims, words), WORDS, words)
-        if name in (*self.outputs, "run_time"):
+        if name in self._answers:
             return self._output(name, (METHOD,))
         for axis in self.design.axes:
             if name in axis.columns:
-                return Term(self._along((axis.name,)), quantity(name).unit)
+                return self._parameter(name, (axis.name,))
             if name == axis.name or axis.labels.get(name, np.array("")).dtype.kind == "i":
                 return Term(self._along((axis.name,)), BARE)
             if name in axis.labels:
                 words = tuple(np.unique(axis.labels[name]).tolist())
                 return Term(self._words((axis.name,), words), WORDS, words)
-        return Term(np.array(self.fixed[name]), quantity(name).unit) if name in self.fixed else None
+        return self._parameter(name, ()) if name in self.fixed else None
+
+    @property
+    def _answers(self) -> tuple[str, ...]:
+        """The outputs, vectors also by their components, and the run time."""
+        components = (name for output in self.outputs for name in component_names(output))
+        return tuple(dict.fromkeys((*self.outputs, *components, "run_time")))
 
     @property
     def _dims(self) -> tuple[str, ...]:
@@ -68,6 +76,10 @@ class Rehearsal:
     @property
     def _scenario_dims(self) -> tuple[str, ...]:
         return self._dims[:-2]
+
+    def _parameter(self, name: str, dims: tuple[str, ...]) -> Term:
+        words = self.parameters[name].words
+        return Term(self._words(dims, words), WORDS, words) if words else Term(self._along(dims), quantity(name).unit)
 
     def _output(self, name: str, leading: tuple[str, ...]) -> Term:
         dims = (*leading, *self._scenario_dims[1:], *quantity(name).dims)
@@ -92,5 +104,5 @@ class Rehearsal:
     @property
     def _names(self) -> list[str]:
         varying = [name for axis in self.design.axes for name in (axis.name, *axis.columns, *axis.labels)]
-        qualified = [f"{method}.{output}" for method in self.methods for output in self.outputs]
-        return [*self.outputs, *qualified, *varying, *self.fixed, METHOD, "status", "run_time"]
+        qualified = [f"{method}.{answer}" for method in self.methods for answer in self._answers]
+        return [*self._answers, *qualified, *varying, *self.fixed, METHOD, "status"]

@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from cablesim.config.design_file import read_design
+from cablesim.config.design_file import Specs, check_values, read_design, read_values
 from cablesim.config.document import Node, is_name, read_document
 from cablesim.config.figure_file import Figure, Stage, read_figures
 from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table, read_table
 from cablesim.design import Design
 from cablesim.errors import InputError, nearest
-from cablesim.parameters import ParameterSpec
-from cablesim.quantities import quantity
+from cablesim.quantities import component_names, quantity
 from cablesim.solver import Solver, load_solver
 
 # Words that have a meaning of their own in formulas.
@@ -68,7 +67,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene file, read and checked."""
+    """A scene file, read and checked. Words are held by their position, as `parameters` declares them."""
 
     name: str
     path: Path
@@ -76,6 +75,7 @@ class Scene:
     question: str
     design: Design
     fixed: dict[str, float]
+    parameters: Specs
     methods: tuple[Method, ...]
     reference: Reference | None
     outputs: tuple[str, ...]
@@ -105,13 +105,14 @@ def read_scene(path: Path) -> Scene:
     required = ("title", "design", "methods", "outputs")
     keys = root.mapping(required, ("question", "fixed", "reference", "published", "figures"))
     methods = _read_methods(keys["methods"])
-    parameters = _parameters(methods)
+    parameters = _parameters(keys["methods"], methods)
     design, tables = read_design(keys["design"], parameters)
     fixed = _read_fixed(keys["fixed"], parameters, design) if "fixed" in keys else {}
     outputs = _read_outputs(keys["outputs"], methods)
     _check_methods(keys["methods"], methods, design, fixed, outputs)
+    _check_not_given(keys["outputs"], outputs, design.parameters | set(fixed))
     reference = _read_reference(keys["reference"], methods, outputs, design) if "reference" in keys else None
-    names = Rehearsal(design, fixed, tuple(method.name for method in methods), outputs)
+    names = Rehearsal(design, fixed, parameters, tuple(method.name for method in methods), outputs)
     published = _read_published(keys["published"], names) if "published" in keys else None
     points = published.table if published else reference.table if reference else None
     stage = Stage(names, points, audited=published is not None)
@@ -124,6 +125,7 @@ def read_scene(path: Path) -> Scene:
         question=keys["question"].text() if "question" in keys else "",
         design=design,
         fixed=fixed,
+        parameters=parameters,
         methods=methods,
         reference=reference,
         outputs=outputs,
@@ -149,25 +151,38 @@ def _read_method(name: str, node: Node) -> Method:
         {key: entry.value for key, entry in keys["options"].mapping(optional=None).items()} if "options" in keys else {}
     )
     made = keys.get("options", node).located(solver.make_options, options)
-    ignores = frozenset(entry.text() for entry in keys["ignores"].sequence()) if "ignores" in keys else frozenset()
-    for ignored in ignores & set(solver.parameters):
+    ignores = _read_ignores(keys["ignores"]) if "ignores" in keys else frozenset()
+    for ignored in ignores & set(solver.columns):
         keys["ignores"].fail(f"{solver.name} has the parameter '{ignored}': it cannot ignore it")
     return Method(name, solver, {option: getattr(made, option) for option in solver.options}, ignores)
 
 
-def _parameters(methods: tuple[Method, ...]) -> dict[str, ParameterSpec]:
-    return {name: spec for method in methods for name, spec in method.solver.parameters.items()}
+def _read_ignores(node: Node) -> frozenset[str]:
+    return frozenset(name for entry in node.sequence() for name in component_names(entry.text()))
 
 
-def _read_fixed(node: Node, parameters: dict[str, ParameterSpec], design: Design) -> dict[str, float]:
-    fixed = {}
+def _parameters(node: Node, methods: tuple[Method, ...]) -> Specs:
+    parameters: Specs = {}
+    for method in methods:
+        for name, spec in method.solver.names.items():
+            if parameters.setdefault(name, spec).words != spec.words:
+                node.fail(f"the methods know different words for {name}")
+    return parameters
+
+
+def _read_fixed(node: Node, parameters: Specs, design: Design) -> dict[str, float]:
+    fixed: dict[str, float] = {}
     for name, entry in node.mapping(optional=None).items():
         if name not in parameters:
             entry.fail(f"no method has a parameter '{name}': {nearest(name, parameters)}")
-        if name in design.parameters:
-            entry.fail(f"'{name}' varies in the design: it cannot be fixed as well")
-        fixed[name] = entry.number(parameters[name].unit)
-        entry.located(parameters[name].check, np.array([fixed[name]]))
+        columns = read_values([entry], parameters[name])
+        for column in columns:
+            if column in design.parameters:
+                entry.fail(f"'{column}' varies in the design: it cannot be fixed as well")
+            if column in fixed:
+                entry.fail(f"'{column}' is given twice")
+        check_values(entry, parameters[name], columns)
+        fixed |= {column: float(values[0]) for column, values in columns.items()}
     return fixed
 
 
@@ -188,13 +203,14 @@ def _read_reference(node: Node, methods: tuple[Method, ...], outputs: tuple[str,
         return Reference(method=node.choice(tuple(method.name for method in methods)))
     keys = node.mapping(("table",), ("columns",))
     table = read_table(keys["table"])
+    scalars = [name for output in outputs for name in component_names(output) if not quantity(name).dims]
     if "columns" in keys:
         columns = {name: entry.text() for name, entry in keys["columns"].mapping(optional=None).items()}
         for name in columns:
-            if name not in outputs:
-                keys["columns"].fail(f"'{name}' is not an output of this scene: {nearest(name, outputs)}")
+            if name not in scalars:
+                keys["columns"].fail(f"'{name}' is not an output of this scene: {nearest(name, scalars)}")
     else:
-        columns = {name: name for name in table.columns if name in outputs}
+        columns = {name: name for name in table.columns if name in scalars}
     if not columns:
         node.fail("no column of the table is an output of this scene: say which with columns: {output: formula}")
     for output, formula in columns.items():
@@ -258,7 +274,10 @@ def _check_methods(
 ) -> None:
     """Every method must have, or say that it ignores, every parameter; and be given all it needs."""
     given = design.parameters | set(fixed)
-    if any(quantity(name).dims for name in outputs) and len({method.options.get("nodes") for method in methods}) > 1:
+    if (
+        any("node" in quantity(name).dims for name in outputs)
+        and len({method.options.get("nodes") for method in methods}) > 1
+    ):
         node.fail("all methods of a scene with profiles must have the same number of nodes")
     for method in methods:
         place = node.mapping(optional=None)[method.name]
@@ -266,6 +285,24 @@ def _check_methods(
             place.mapping(optional=None)["ignores"].fail(
                 f"no scenario has a parameter '{name}': {nearest(name, given)}"
             )
-        for name in sorted(given - method.columns - method.ignores):
-            place.fail(f"{method.solver.name} has no parameter '{name}': say 'ignores: [{name}]' if that is meant")
+        unknown = sorted(given - method.columns - method.ignores)
+        if unknown:
+            meant = f"say 'ignores: [{', '.join(unknown)}]' if that is meant"
+            place.fail(f"{method.solver.name} has no parameter '{unknown[0]}': {meant}")
         place.located(method.solver.check_columns, given & method.columns)
+        _check_bounds(place, method, design, fixed)
+
+
+def _check_bounds(node: Node, method: Method, design: Design, fixed: dict[str, float]) -> None:
+    """Methods may declare different bounds for one parameter: each must allow all values."""
+    values = {name: np.array([value]) for name, value in fixed.items()}
+    for axis in design.axes:
+        values |= axis.columns
+    for name in method.columns & values.keys():
+        node.located(method.solver.columns[name].check, values[name])
+
+
+def _check_not_given(node: Node, outputs: tuple[str, ...], given: set[str]) -> None:
+    for entry, output in zip(node.sequence(), outputs, strict=True):
+        if given & set(component_names(output)):
+            entry.fail(f"'{output}' is a given parameter of this scene, which the dataset has anyway: leave it out")

@@ -16,6 +16,7 @@ import xarray as xr
 from cablesim.config.scene import Scene
 from cablesim.database.shard_file import check_shards, chunk_sizes, read_shard
 from cablesim.files import written_whole
+from cablesim.parameters import ParameterSpec
 from cablesim.plan import ScenePlan
 from cablesim.quantities import COMPONENTS, QUANTITIES, quantity
 from cablesim.shards import Placement
@@ -138,12 +139,12 @@ def _coordinates(scene: Scene) -> dict[str, Any]:
     }
     for axis in scene.design.axes:
         for name, values in axis.columns.items():
-            coords[name] = (axis.name, values, _attributes(name))
+            coords[name] = (axis.name, *_parameter(scene.parameters[name], values))
         if axis.name not in axis.columns:
             coords[axis.name] = (
                 axis.name,
                 np.arange(axis.size, dtype=np.int32),
-                {"long_name": "number of the scenario"},
+                {"long_name": f"number of the {axis.name}"},
             )
         for name, values in axis.labels.items():
             is_word = values.dtype.kind == "U"
@@ -153,10 +154,17 @@ def _coordinates(scene: Scene) -> dict[str, Any]:
                 {"long_name": LABELS[name]},
             )
     for name, value in scene.fixed.items():
-        coords[name] = ((), value, _attributes(name))
+        coords[name] = ((), *_parameter(scene.parameters[name], np.array(value)))
     if any("component" in quantity(name).dims for name in scene.outputs):
-        coords["component"] = ("component", _words(COMPONENTS), {"long_name": "component of a position"})
+        coords["component"] = ("component", _words(COMPONENTS), {"long_name": "component of a vector"})
     return coords
+
+
+def _parameter(spec: ParameterSpec, values: np.ndarray) -> tuple[np.ndarray, dict[str, Any]]:
+    """Values and attributes of a coordinate; a word is stored as text, beside all that it might be."""
+    if not spec.words:
+        return values, _attributes(spec.name)
+    return spec.restored(values), {"long_name": quantity(spec.name).meaning, "words": " ".join(spec.words)}
 
 
 LABELS = {

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.database.query import query
-from cablesim.database.reading import read_dataset, scene_paths
+from cablesim.database.reading import read_dataset, running_numbers, scene_paths
 
 
 def compare(results_a: Path, results_b: Path, tolerance: float = 0.0) -> pd.DataFrame:
@@ -76,7 +76,7 @@ def _scenarios(dataset: xr.Dataset, keys: set[str]) -> pd.DataFrame:
 def _keys(dataset: xr.Dataset) -> set[str]:
     """What identifies a scenario: its method and parameters, not its running number."""
     scenario_dims = set(dataset.status.dims)
-    return {str(name) for name in dataset.coords if set(dataset[name].dims) <= scenario_dims} - {"scenario"}
+    return {str(name) for name in dataset.coords if set(dataset[name].dims) <= scenario_dims} - running_numbers(dataset)
 
 
 def _outputs(dataset: xr.Dataset) -> set[str]:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.reading import select, status_words
+from cablesim.database.reading import select, status_words, with_components
 from cablesim.errors import InputError, nearest
 from cablesim.quantities import QUANTITIES
 
@@ -23,6 +23,7 @@ def query(dataset: xr.Dataset, condition: str | None, columns: tuple[str, ...] =
 
     Raises InputError for an unknown name, a wrong unit or a condition that cannot be read.
     """
+    dataset = with_components(dataset)
     chosen = _columns(dataset, columns)
     dims = dataset.status.dims
     mask = _mask(dataset, condition)

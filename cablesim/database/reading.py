@@ -10,8 +10,10 @@ import xarray as xr
 from cablesim.config.document import is_name
 from cablesim.config.table import Table
 from cablesim.database.collect import MEASURED
+from cablesim.design import SCENARIO
 from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse
+from cablesim.quantities import component_names, is_vector, quantity
 
 
 def scene_paths(results: Path) -> dict[str, Path]:
@@ -47,6 +49,28 @@ def read_dataset(path: Path) -> xr.Dataset:
 def of_method(values: xr.DataArray, method: str) -> xr.DataArray:
     """One method's values. Given as a dict, because `sel(method=...)` means nearest-neighbour look-up to xarray."""
     return values.sel({"method": str(method)}, drop=True)
+
+
+def with_components(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with each vector also by its components: `force_B` as `force_B_x`, `force_B_y` and `force_B_z`."""
+    vectors = [str(name) for name in dataset.data_vars if is_vector(str(name))]
+    parts = {
+        part: dataset[name].isel(component=i, drop=True).assign_attrs(long_name=quantity(part).meaning)
+        for name in vectors
+        for i, part in enumerate(component_names(name))
+    }
+    return dataset.assign(parts)
+
+
+def running_numbers(values: xr.Dataset | xr.DataArray) -> set[str]:
+    """The dimensions whose coordinate only counts: scenarios, and points of an axis of vectors."""
+    return {str(dim) for dim in values.dims if dim == SCENARIO or is_vector(str(dim))}
+
+
+def written(value: xr.DataArray, digits: int = 6) -> str:
+    """A single value as text: a word as it is, a number with some digits."""
+    item = value.item()
+    return item if isinstance(item, str) else f"{item:.{digits}g}"
 
 
 def status_words(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -88,6 +112,7 @@ def select(dataset: xr.Dataset, condition: str) -> xr.DataArray:
 def _explained(
     dataset: xr.Dataset, expression: Expression, answer: Callable[[Expression, Lookup], Any], table: Table | None
 ) -> xr.DataArray:
+    dataset = with_components(dataset)
     try:
         return xr.DataArray(answer(expression, scene_lookup(dataset, table)))
     except UnknownName as unknown:
@@ -106,5 +131,6 @@ def _term(values: xr.DataArray, words: tuple[str, ...]) -> Term:
     if values.name == "status":
         return Term(xr.DataArray(np.array(words)[values], dims=values.dims, coords=values.coords), WORDS, words)
     if values.dtype.kind in "SUOT":
-        return Term(values, WORDS, tuple(str(word) for word in np.unique(values)))
+        known = values.attrs["words"].split() if "words" in values.attrs else np.unique(values)
+        return Term(values, WORDS, tuple(str(word) for word in known))
     return Term(values, values.attrs.get("units", BARE))

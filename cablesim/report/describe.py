@@ -4,7 +4,7 @@ import ast
 import inspect
 from typing import TYPE_CHECKING
 
-from cablesim.quantities import quantity
+from cablesim.quantities import COMPONENTS, quantity
 from cablesim.solver import Solver
 
 if TYPE_CHECKING:
@@ -28,11 +28,17 @@ def scene_line(name: str, dataset: "xr.Dataset") -> str:
 def _parameters(solver: Solver) -> list[str]:
     lines = ["Parameters:"]
     for spec in solver.parameters.values():
-        notes = [f"> {spec.above:g}"] if spec.above is not None else []
-        notes += [f"default {spec.default:g}"] if spec.default is not None else []
+        notes = [" and ".join(spec.limits)] if spec.limits else []
+        notes += [f"vector {', '.join(COMPONENTS)}"] if spec.vector else []
+        notes += [f"one of {', '.join(spec.words)}"] if spec.words else []
+        notes += [f"default {_default(spec.default)}"] if spec.default is not None else []
         notes += [f"instead of {spec.instead_of}"] if spec.instead_of else []
         lines.append(_line(spec.name, ", ".join(notes)))
-    return lines
+    return [*lines, f"  Given: {solver.problems}."] if solver.problems else lines
+
+
+def _default(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
 
 
 def _options(solver: Solver) -> list[str]:

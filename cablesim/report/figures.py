@@ -11,10 +11,10 @@ import xarray as xr
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, of_method, select
+from cablesim.database.reading import evaluate, of_method, select, written
 from cablesim.errors import InputError
 from cablesim.files import written_whole
-from cablesim.quantities import QUANTITIES
+from cablesim.quantities import QUANTITIES, component_names
 from cablesim.report.audit import AGREES, MISPRINT, ROUNDED_KEY, audit_table
 
 matplotlib.use("Agg")
@@ -106,10 +106,15 @@ def _shaded_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> 
         dashes = DASHES[number % len(DASHES)]
         for i, shade in enumerate(shades):
             part = dataset.isel({name: i})
-            value = f"{_word(name)} = {float(dataset[name][i]):g}" if number == 0 else None
+            value = f"{_word(name)} = {_point(part, name)}" if number == 0 else None
             axes.plot(*_points(part, settings["x"], formula), label=value, color=shade, linestyle=dashes)
         if len(settings["y"]) > 1:
             axes.plot([], [], label=_plain(label), color="black", linestyle=dashes)
+
+
+def _point(part: xr.Dataset, axis: str) -> str:
+    """A point of an axis in words: a number, a word, or the components of a vector."""
+    return ", ".join(written(part[name]) for name in component_names(axis))
 
 
 def _points(dataset: xr.Dataset, x: str, y: str) -> tuple[np.ndarray, np.ndarray]:
@@ -171,12 +176,13 @@ def _profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     return drawn
 
 
-def _profile_panels(dataset: xr.Dataset, at: dict[str, list[float]]) -> Iterator[tuple[str, xr.Dataset]]:
-    """The scenarios nearest to the wanted values of the one parameter."""
+def _profile_panels(dataset: xr.Dataset, at: dict[str, list[float | str]]) -> Iterator[tuple[str, xr.Dataset]]:
+    """The scenarios at, or nearest to, the wanted values of the one parameter."""
     name, values = next(iter(at.items()))
     for value in values:
-        where = int(np.abs(dataset[name].values - value).argmin())
-        yield f"{_word(name)} {float(dataset[name][where]):g}", dataset.isel({dataset[name].dims[0]: where})
+        points = dataset[name].values
+        where = int((points == value).argmax() if isinstance(value, str) else np.abs(points - value).argmin())
+        yield f"{_word(name)} {written(dataset[name][where])}", dataset.isel({dataset[name].dims[0]: where})
 
 
 def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.config.scene import Scene
-from cablesim.database.reading import of_method, status_words
+from cablesim.config.scene import Reference, Scene
+from cablesim.database.reading import of_method, running_numbers, status_words, with_components, written
 from cablesim.files import write_text
-from cablesim.quantities import quantity
+from cablesim.quantities import VECTOR, quantity
 
 # A table that nobody can read is not written row by row: beyond this it becomes statistics, and `query` has the rows.
 MOST_ROWS = 10_000
@@ -18,19 +18,20 @@ MARKDOWN_ROWS = 40
 
 
 def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
-    """Absolute and relative error of every scalar output and method against the reference.
+    """Absolute and relative error of every output but profiles, for every method, against the reference.
 
-    Largest, median and 95 % over the scenarios that both solved, and where the largest relative error lies.
+    The error of a vector is the length of the difference. Largest, median and 95 % over the scenarios that both
+    solved, and where the largest relative error lies.
     """
-    rows = []
-    for output in scene.outputs:
-        if quantity(output).dims:
-            continue
-        reference = _reference_values(scene, dataset, output)
-        if reference is None:
-            continue
+    rows: list[dict[str, object]] = []
+    if scene.reference is None:
+        return pd.DataFrame(rows)
+    dataset = with_components(dataset)
+    stored = [name for name in scene.outputs if quantity(name).dims in ((), VECTOR)]
+    for output in scene.reference.columns or stored:
+        reference = _reference_values(scene.reference, dataset, output)
         for method in scene.methods:
-            if scene.reference is not None and method.name == scene.reference.method:
+            if method.name == scene.reference.method:
                 continue
             values = of_method(dataset[output], method.name)
             rows.append(
@@ -50,7 +51,8 @@ def tension_table(dataset: xr.Dataset) -> pd.DataFrame:
 
 
 def value_table(dataset: xr.Dataset) -> pd.DataFrame:
-    """Every output that is one number, by scenario; nothing for very many scenarios."""
+    """Every output that is one number, and the components of vectors, by scenario; nothing for very many scenarios."""
+    dataset = with_components(dataset)
     names = _scalars(dataset)
     return frame(dataset, [*names, "status"]) if names and dataset.status.size <= MOST_ROWS else pd.DataFrame()
 
@@ -98,20 +100,16 @@ def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> N
     write_text(markdown, f"{caption}\n\n{body}{more}\n")
 
 
-def _reference_values(scene: Scene, dataset: xr.Dataset, output: str) -> xr.DataArray | None:
-    if scene.reference is None:
-        return None
-    if scene.reference.method is not None:
-        return of_method(dataset[output], scene.reference.method)
-    if output not in scene.reference.columns or scene.reference.table is None:
-        return None
-    values = scene.reference.table.evaluate(scene.reference.columns[output], quantity(output).unit)
+def _reference_values(reference: Reference, dataset: xr.Dataset, output: str) -> xr.DataArray:
+    if reference.table is None:
+        return of_method(dataset[output], str(reference.method))
+    values = reference.table.evaluate(reference.columns[output], quantity(output).unit)
     return xr.DataArray(values[dataset.row.values], dims="scenario")
 
 
 def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
-    absolute: xr.DataArray = abs(values - reference)
-    relative = absolute / abs(reference)
+    absolute = _magnitude(values - reference)
+    relative = absolute / _magnitude(reference)
     found = absolute.values[np.isfinite(absolute.values)]
     found_relative = relative.values[np.isfinite(relative.values)]
     return {
@@ -120,6 +118,13 @@ def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
         **_spread("relative", found_relative),
         "worst at": _place_of_largest(relative),
     }
+
+
+def _magnitude(values: xr.DataArray) -> xr.DataArray:
+    """The absolute value of a number, the length of a vector."""
+    if "component" not in values.dims:
+        return abs(values)
+    return values.reduce(np.linalg.norm, "component")
 
 
 def _spread(kind: str, values: np.ndarray) -> dict[str, float]:
@@ -134,8 +139,8 @@ def _place_of_largest(relative: xr.DataArray) -> str:
     where = np.unravel_index(np.nanargmax(np.where(np.isfinite(values), values, -1.0)), values.shape)
     point = relative.isel(dict(zip(relative.dims, (int(i) for i in where), strict=True)))
     coords = [c for c in point.coords if c not in ("row", "key", "rounding") and relative[c].ndim > 0]
-    named = [c for c in coords if c != "scenario"] or coords
-    return ", ".join(f"{name}={float(point[name]):.12g}" for name in named)
+    named = [c for c in coords if c not in running_numbers(relative)] or coords
+    return ", ".join(f"{name}={written(point[name], digits=12)}" for name in named)
 
 
 def _tension_statistics(dataset: xr.Dataset, names: list[str]) -> pd.DataFrame:
