@@ -1,0 +1,308 @@
+"""Write the references of a line in a uniform stream: pode_functions.csv, pode_example4.csv and stream_lines.csv.
+
+    python tests/reference/make_stream_references.py [name of a file, ...]
+
+Independent of cablesim: the equations as they stand, by quadrature and Taylor series with enough digits that nothing
+needs to be rearranged. The inputs are float64 numbers taken at their exact values, so a reference is the answer to what
+a solver is really given. Needs mpmath. The same seed gives the same bytes.
+"""
+
+import csv
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import mpmath as mp
+import numpy as np
+
+FOLDER = Path(__file__).parent
+SEED = 20261
+LAWS = ("constant", "cosine_squared", "zero")
+
+Row = dict[str, float | str | None]
+Answer = dict[str, mp.mpf]
+
+
+def main() -> None:
+    files = {"pode_functions.csv": write_pode_functions}
+    for name in sys.argv[1:] or files:
+        files[name](FOLDER / name)
+
+
+def _write(path: Path, source: str, names: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
+    with path.open("w", newline="") as file:
+        file.write(source)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        writer.writerows(rows)
+
+
+def _shown(value: float | str | None) -> str:
+    return "" if value is None else value if isinstance(value, str) else repr(value)
+
+
+def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(10.0 ** rng.uniform(low, high))
+
+
+def _require(error: mp.mpf, scale: mp.mpf, tolerance: mp.mpf) -> None:
+    if not abs(error) <= tolerance * abs(scale):
+        raise ArithmeticError(f"residual {mp.nstr(error, 5)} of {mp.nstr(scale, 5)}")
+
+
+# ---- Pode's functions ----
+
+PODE_DIGITS = 55  # up to 18 of them are lost in D at 1e-9 rad from a singular angle
+PODE_CHECKED = mp.mpf("1e-36")
+PODE_PRINTED = 25
+PODE_NODES = 36
+PODE_INPUTS = ("angle", "critical_angle", "weight_ratio", "friction_ratio", "friction_law", "reference_angle")
+PODE_OUTPUTS = ("tau", "sigma", "xi", "eta", "sigma_scale", "xi_scale", "eta_scale", "near")
+PODE_SOURCE = f"""\
+# Pode's functions of a line in a uniform stream, inputs exactly as printed (SI), outputs rounded to {PODE_PRINTED}
+# digits, made by make_stream_references.py with mpmath at {PODE_DIGITS} digits: D = w cos(a) - sin(a)|sin(a)|,
+# w = sin(a_c)^2 / cos(a_c), tau = exp(integral of (f_s + w sin(a)) / D), and sigma, xi, eta the integrals of tau / D,
+# tau cos(a) / D, tau sin(a) / D, all from the reference angle; f_s = f sign(cos(a)) (constant), f cos(a)|cos(a)|
+# (cosine_squared), 0 (zero). sigma_scale, xi_scale, eta_scale: integrals of the absolute values of the integrands;
+# near: distance of the angle from the nearer of the two singular angles, a_c and pi + a_c. Checked: every piece of
+# every integral agrees with its two halves, and tau with its closed form (where w > 0), to 1e-35
+"""
+
+
+@dataclass(frozen=True)
+class Pode:
+    """Quadrature in y = log(p / q), with p and q the distances from the two singular angles, a_c and pi + a_c."""
+
+    critical_angle: mp.mpf
+    weight: mp.mpf
+    friction: mp.mpf
+    law: str
+
+    @classmethod
+    def from_row(cls, row: Row) -> "Pode":
+        friction = mp.mpf(row["friction_ratio"])
+        if row["weight_ratio"] is None:
+            critical = mp.mpf(row["critical_angle"])
+            return cls(critical, mp.sin(critical) ** 2 / mp.cos(critical), friction, row["friction_law"])
+        w = mp.mpf(row["weight_ratio"])
+        return cls(mp.acos(1 / (w / 2 + mp.sqrt(1 + w**2 / 4))), w, friction, row["friction_law"])
+
+    def distances(self, angle: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
+        return angle - self.critical_angle, mp.pi + self.critical_angle - angle
+
+    def integrals(self, start: mp.mpf, end: mp.mpf) -> tuple[mp.mpf, list[mp.mpf], list[mp.mpf]]:
+        """log tau; sigma, xi, eta; and their scales, from `start` to `end`."""
+        sign = 1 if end > start else -1
+        log_tau, total, scale = mp.mpf(0), [mp.mpf(0)] * 3, [mp.mpf(0)] * 3
+        low, high = min(start, end), max(start, end)
+        corners = [low, *(kink for kink in (mp.pi / 2, mp.pi) if low < kink < high), high][::sign]
+        for a, b in pairwise(corners):
+            signs = mp.sign(mp.cos((a + b) / 2)), mp.sign(mp.sin((a + b) / 2))
+            for piece in self._pieces(a, b):
+                step, parts = self._settled(*piece, self._piece(*piece, signs), signs)
+                tau = mp.exp(log_tau)
+                total = [old + tau * part for old, part in zip(total, parts, strict=True)]
+                scale = [old + abs(tau * part) for old, part in zip(scale, parts, strict=True)]
+                log_tau += step
+        return log_tau, total, scale
+
+    def _pieces(self, a: mp.mpf, b: mp.mpf) -> Iterator[tuple[mp.mpf, mp.mpf]]:
+        """Pieces of y no longer than one."""
+        y_a, y_b = (mp.log(p / q) for p, q in map(self.distances, (a, b)))
+        count = int(mp.ceil(abs(y_b - y_a)))
+        places = [y_a + (y_b - y_a) * k / count for k in range(count + 1)]
+        return pairwise(places)
+
+    def _settled(self, a: mp.mpf, b: mp.mpf, whole: tuple, signs: tuple[int, int]) -> tuple[mp.mpf, list[mp.mpf]]:
+        """What a piece adds, halved until the halves say the same as the whole."""
+        middle = (a + b) / 2
+        halves = [self._piece(a, middle, signs), self._piece(middle, b, signs)]
+        joined = _joined(*halves)
+        if _differ(whole, joined) <= PODE_CHECKED:
+            return joined
+        return _joined(self._settled(a, middle, halves[0], signs), self._settled(middle, b, halves[1], signs))
+
+    def _piece(self, a: mp.mpf, b: mp.mpf, signs: tuple[int, int]) -> tuple[mp.mpf, list[mp.mpf]]:
+        nodes, weights, running = gauss(PODE_NODES)
+        half, rates, flows = (b - a) / 2, [], []
+        for node in nodes:
+            e = mp.exp((a + b) / 2 + half * node)
+            angle = self.critical_angle + mp.pi * e / (1 + e)
+            cos, sin = mp.cos_sin(angle)
+            # d(angle)/dy / D
+            slope = half * mp.pi * e / (1 + e) ** 2 / (self.weight * cos - signs[1] * sin**2)
+            rates.append(slope * (self._along(cos, signs[0]) + self.weight * sin))
+            flows.append((slope, slope * cos, slope * sin))
+        taus = [mp.exp(mp.fdot(line, rates)) * weight for line, weight in zip(running, weights, strict=True)]
+        return mp.fdot(weights, rates), [mp.fdot(taus, flow) for flow in zip(*flows, strict=True)]
+
+    def _along(self, cos: mp.mpf, sign: int) -> mp.mpf:
+        return {"constant": sign * self.friction, "cosine_squared": sign * self.friction * cos**2, "zero": 0}[self.law]
+
+    def log_tau_closed(self, start: mp.mpf, end: mp.mpf) -> mp.mpf:
+        """The same in closed form, for w > 0: partial fractions in cos(a), each side of 90 and 180 deg by itself."""
+        low, high = min(start, end), max(start, end)
+        corners = [low, *(kink for kink in (mp.pi / 2, mp.pi) if low < kink < high), high]
+        total = mp.mpf(0)
+        for a, b in pairwise(corners):
+            signs = mp.sign(mp.cos((a + b) / 2)), mp.sign(mp.sin((a + b) / 2))
+            total += self._primitive(b, *signs) - self._primitive(a, *signs)
+        return total if end > start else -total
+
+    def _primitive(self, angle: mp.mpf, cos_sign: int, sin_sign: int) -> mp.mpf:
+        """With S = sin_sign, D = S (cos(a) - S k) (cos(a) + S / k), k = cos(a_c)."""
+        k = mp.cos(self.critical_angle)
+        one, two = sin_sign * k, -sin_sign / k
+        cos, gap = mp.cos(angle), k + 1 / k
+        over_one, over_two = _integral_of_pole(angle, one), _integral_of_pole(angle, two)
+        plain = (over_one - over_two) / gap
+        with_cos = (one * over_one - two * over_two) / gap
+        squared = sin_sign * angle + plain - sin_sign * self.weight * with_cos
+        along = {"constant": plain, "cosine_squared": squared, "zero": 0}[self.law]
+        return cos_sign * self.friction * along - self.weight / gap * mp.log(abs((cos - one) / (cos - two)))
+
+
+def _integral_of_pole(angle: mp.mpf, k: mp.mpf) -> mp.mpf:
+    """A primitive of 1 / (cos(angle) - k), 0 < angle < 2 pi."""
+    cos, sin = mp.cos_sin(angle / 2)
+    m = mp.sqrt(abs((1 - k) / (1 + k)))
+    if abs(k) < 1:
+        return mp.log(abs((m * cos + sin) / (m * cos - sin))) / mp.sqrt(1 - k**2)
+    return -mp.sign(k) * 2 / mp.sqrt(k**2 - 1) * mp.atan2(sin, m * cos)
+
+
+def _joined(first: tuple, second: tuple) -> tuple[mp.mpf, list[mp.mpf]]:
+    tau = mp.exp(first[0])
+    return first[0] + second[0], [a + tau * b for a, b in zip(first[1], second[1], strict=True)]
+
+
+def _differ(first: tuple, second: tuple) -> mp.mpf:
+    logs = abs(first[0] - second[0]) / max(1, abs(second[0]))
+    return max(logs, *(abs(a - b) / abs(b) for a, b in zip(first[1], second[1], strict=True)))
+
+
+@cache
+def gauss(count: int) -> tuple[list[mp.mpf], list[mp.mpf], list[list[mp.mpf]]]:
+    """Gauss-Legendre nodes and weights on -1..1, and the matrix that integrates from -1 to each node."""
+    nodes = [_root_of_legendre(mp.cos(mp.pi * (4 * k + 3) / (4 * count + 2)), count) for k in range(count)]
+    table = [_legendre(x, count + 1) for x in nodes]
+    weights = [2 * (1 - x**2) / (count * P[count - 1]) ** 2 for x, P in zip(nodes, table, strict=True)]
+    # integral from -1 to x of P_k, times (2 k + 1)
+    rises = [[x + 1, *(P[k + 1] - P[k - 1] for k in range(1, count))] for x, P in zip(nodes, table, strict=True)]
+    running = [
+        [weight * mp.fdot(rise, P[:count]) / 2 for weight, P in zip(weights, table, strict=True)] for rise in rises
+    ]
+    return nodes, weights, running
+
+
+def _root_of_legendre(x: mp.mpf, count: int) -> mp.mpf:
+    for _ in range(8):  # Newton doubles about three digits each time
+        P = _legendre(x, count)
+        x -= P[count] * (1 - x**2) / (count * (P[count - 1] - x * P[count]))
+    return x
+
+
+def _legendre(x: mp.mpf, count: int) -> list[mp.mpf]:
+    P = [mp.mpf(1), x]
+    for k in range(1, count):
+        P.append(((2 * k + 1) * x * P[k] - k * P[k - 1]) / (k + 1))
+    return P
+
+
+def pode_answer(row: Row) -> Answer | None:
+    """None where float64 could not hold the answer."""
+    pode = Pode.from_row(row)
+    start, end = mp.mpf(row["reference_angle"]), mp.mpf(row["angle"])
+    if pode.weight > 0 and abs(pode.log_tau_closed(start, end)) > 600:
+        return None
+    if pode.weight == 0 and row["friction_law"] != "zero" and pode.friction * abs(mp.cot(end)) > 600:
+        return None
+    log_tau, values, scales = pode.integrals(start, end)
+    if pode.weight > 0:
+        _require(log_tau - pode.log_tau_closed(start, end), max(1, abs(log_tau)), mp.mpf("1e-35"))
+    answer = (mp.exp(log_tau), *values, *scales, min(pode.distances(end)))
+    if any(not 1e-290 < size < 1e290 for size in (answer[0], *scales)):
+        return None
+    return dict(zip(PODE_OUTPUTS, answer, strict=True))
+
+
+def write_pode_functions(path: Path) -> None:
+    mp.mp.dps = PODE_DIGITS
+    check_pode_table()
+    _write(path, PODE_SOURCE, (*PODE_INPUTS, *PODE_OUTPUTS), pode_lines(np.random.default_rng(SEED)))
+
+
+def check_pode_table() -> None:
+    """The values printed in the literature: a_c = 30 deg, f = 0.025, constant friction, from 180 deg."""
+    pode = Pode(mp.pi / 6, mp.sin(mp.pi / 6) ** 2 / mp.cos(mp.pi / 6), mp.mpf("0.025"), "constant")
+    log_tau, (sigma, xi, eta), _ = pode.integrals(mp.pi, mp.pi / 2)
+    near = (pode.integrals(mp.pi, degrees * mp.pi / 180)[1][1] for degrees in (32, 31))
+    printed = ("1.38698", "3.06571", "-2.24439", "1.60605", "2.33181", "4.05988")
+    for value, text in zip((mp.exp(log_tau), sigma, xi, eta, *near), printed, strict=True):
+        _require(value - mp.mpf(text), 1, mp.mpf("0.51e-5"))
+
+
+def pode_lines(rng: np.random.Generator) -> Iterator[list[str]]:
+    for draw in pode_draws():
+        answer = None
+        while answer is None:
+            row = draw(rng)
+            answer = pode_answer(row)
+        outputs = (mp.nstr(answer[name], PODE_PRINTED, strip_zeros=False) for name in PODE_OUTPUTS)
+        yield [*(_shown(row[name]) for name in PODE_INPUTS), *outputs]
+
+
+def pode_draws() -> Iterator[Callable[[np.random.Generator], Row]]:
+    for reference in (*[np.pi / 2] * 80, *[np.pi] * 80, *[None] * 40):
+        yield lambda rng, reference=reference: _pode_row(rng, {"critical_angle": rng.uniform(0.001, 1.57)}, reference)
+    for critical in (*np.geomspace(0.001, 0.1, 20), *(np.pi / 2 - np.geomspace(0.1, 0.0008, 20))):
+        yield lambda rng, critical=critical: _pode_row(rng, {"critical_angle": critical}, _usual_reference(rng))
+    for weight in np.geomspace(1e-6, 1e6, 120):
+        yield lambda rng, weight=weight: _pode_row(rng, {"weight_ratio": weight}, _usual_reference(rng))
+    for _ in range(40):
+        yield lambda rng: _pode_row(rng, {"weight_ratio": 0.0}, np.pi / 2)
+    for distance in (*np.geomspace(1e-2, 1e-6, 50), *[1e-9] * 5):
+        yield lambda rng, distance=distance: _near_row(rng, distance, upper=False)
+        yield lambda rng, distance=distance: _near_row(rng, distance, upper=True)
+
+
+def _pode_row(rng: np.random.Generator, kind: dict[str, float], reference: float | None) -> Row:
+    low = _critical_angle(kind)
+    angle = float(low + np.pi * rng.uniform(1e-3, 1 - 1e-3))
+    reference = float(low + np.pi * rng.uniform(0.1, 0.9)) if reference is None else reference
+    return _pode_inputs(rng, angle, kind, reference)
+
+
+def _near_row(rng: np.random.Generator, distance: float, upper: bool) -> Row:
+    if rng.random() < 1 / 2:
+        kind = {"critical_angle": rng.uniform(0.001, 1.57)}
+    else:
+        kind = {"weight_ratio": _log_uniform(rng, -4, 4)}
+    low = _critical_angle(kind)
+    angle = low + np.pi - distance if upper else low + distance
+    return _pode_inputs(rng, angle, kind, _usual_reference(rng))
+
+
+def _pode_inputs(rng: np.random.Generator, angle: float, kind: dict[str, float], reference: float) -> Row:
+    friction = 0.5 if rng.random() < 1 / 10 else rng.choice([0.0, 1.0], p=[0.05, 0.95]) * rng.uniform(0.0, 0.1)
+    values = {"angle": angle, **kind, "friction_ratio": friction, "reference_angle": reference}
+    row: Row = dict.fromkeys(PODE_INPUTS)
+    return {**row, **{name: float(value) for name, value in values.items()}, "friction_law": str(rng.choice(LAWS))}
+
+
+def _critical_angle(kind: dict[str, float]) -> float:
+    if "critical_angle" in kind:
+        return kind["critical_angle"]
+    half = kind["weight_ratio"] / 2
+    return float(np.arctan2(np.sqrt(2 * half * (np.hypot(half, 1) - half)), np.hypot(half, 1) - half))
+
+
+def _usual_reference(rng: np.random.Generator) -> float:
+    return float(rng.choice([np.pi / 2, np.pi]))
+
+
+if __name__ == "__main__":
+    main()
