@@ -27,7 +27,7 @@ Answer = dict[str, mp.mpf]
 
 
 def main() -> None:
-    files = {"pode_functions.csv": write_pode_functions}
+    files = {"pode_functions.csv": write_pode_functions, "pode_example4.csv": write_pode_example4}
     for name in sys.argv[1:] or files:
         files[name](FOLDER / name)
 
@@ -92,6 +92,14 @@ class Pode:
 
     def distances(self, angle: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
         return angle - self.critical_angle, mp.pi + self.critical_angle - angle
+
+    def D(self, angle: mp.mpf) -> mp.mpf:
+        return self.weight * mp.cos(angle) - mp.sin(angle) * abs(mp.sin(angle))
+
+    def functions(self, start: mp.mpf, end: mp.mpf) -> tuple[mp.mpf, list[mp.mpf]]:
+        """tau; sigma, xi and eta."""
+        log_tau, values, _ = self.integrals(start, end)
+        return mp.exp(log_tau), values
 
     def integrals(self, start: mp.mpf, end: mp.mpf) -> tuple[mp.mpf, list[mp.mpf], list[mp.mpf]]:
         """log tau; sigma, xi, eta; and their scales, from `start` to `end`."""
@@ -302,6 +310,58 @@ def _critical_angle(kind: dict[str, float]) -> float:
 
 def _usual_reference(rng: np.random.Generator) -> float:
     return float(rng.choice([np.pi / 2, np.pi]))
+
+
+# ---- example 4 of Pode's method: both ends and the length given ----
+
+EXAMPLE4_PRINTED = 20
+EXAMPLE4_SOURCE = f"""\
+# A line of 86.36 m in a stream, its ends on one vertical, B 30.48 m above A; critical angle 30 deg, friction ratio
+# 0.025, constant friction. Made by make_stream_references.py: Pode's functions by quadrature, the two angles by
+# Newton's method, with mpmath at {PODE_DIGITS} digits; rounded to {EXAMPLE4_PRINTED} digits. Angles in degrees, lengths
+# in m, coordinates from A in Pode's axes (x against the stream, y up), tension in units of the normal drag on 1 m
+"""
+
+
+def write_pode_example4(path: Path) -> None:
+    mp.mp.dps = PODE_DIGITS
+    answer = example4()
+    check_example4(answer)
+    shown = ([name, mp.nstr(value, EXAMPLE4_PRINTED, strip_zeros=False)] for name, value in answer.items())
+    _write(path, EXAMPLE4_SOURCE, ("name", "value"), shown)
+
+
+def example4() -> Answer:
+    """With the functions taken from 180 deg: equal xi at both ends, and differences of sigma and eta in proportion."""
+    degree = mp.pi / 180
+    critical, length, depth = 30 * degree, mp.mpf("86.36"), mp.mpf("30.48")
+    pode = Pode(critical, mp.sin(critical) ** 2 / mp.cos(critical), mp.mpf("0.025"), "constant")
+    A, B = mp.mpf("208.5") * degree, mp.mpf("31.1") * degree
+    for _ in range(9):
+        (tau_A, at_A), (tau_B, at_B) = (pode.functions(mp.pi, angle) for angle in (A, B))
+        sigma, xi, eta = (b - a for a, b in zip(at_A, at_B, strict=True))
+        residual = mp.matrix([xi, depth * sigma - length * eta])
+        slopes = [
+            [sign * rate * mp.cos(a), sign * rate * (depth - length * mp.sin(a))]
+            for sign, a, rate in ((-1, A, tau_A / pode.D(A)), (1, B, tau_B / pode.D(B)))
+        ]
+        step = mp.lu_solve(mp.matrix(slopes).T, -residual)
+        A, B = A + step[0], B + step[1]
+    _require(mp.norm(step), 1, mp.mpf("1e-33"))
+    scale = length / sigma  # tension where alpha is 180 deg
+    tau_90, at_90 = pode.functions(mp.pi, mp.pi / 2)
+    values = {"angle_A": A / degree, "angle_B": B / degree, "tension_A": scale * tau_A, "tension_B": scale * tau_B}
+    places = {"180": (mp.mpf(1), [mp.mpf(0)] * 3), "90": (tau_90, at_90)}
+    for name, (tau, at) in places.items():
+        s, x, y = (scale * (b - a) for a, b in zip(at_A, at, strict=True))
+        values |= {f"x_{name}": x, f"y_{name}": y, f"arc_length_{name}": s, f"tension_{name}": scale * tau}
+    return values
+
+
+def check_example4(answer: Answer) -> None:
+    known = {"angle_A": 208.5557, "angle_B": 31.0646, "x_180": -21.499, "y_180": -7.981, "x_90": -33.891, "y_90": 0.886}
+    for name, value in known.items():
+        _require(answer[name] - value, 1, mp.mpf("0.0006"))
 
 
 if __name__ == "__main__":
