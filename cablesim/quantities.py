@@ -61,8 +61,8 @@ TABLE = (
     # what a hanging line answers
     Quantity("catenary_parameter", "a", "m", "horizontal tension over weight per length; radius at the vertex"),
     Quantity("horizontal_tension", "H", "N", "horizontal component of the tension, the same all along the line"),
-    Quantity("tension_A", "T_A", "N", "tension at support A"),
-    Quantity("tension_B", "T_B", "N", "tension at support B"),
+    Quantity("tension_A", "T_A", "N", "tension at end A"),
+    Quantity("tension_B", "T_B", "N", "tension at end B"),
     Quantity("max_tension", r"T_{\max}", "N", "largest tension in the line"),
     Quantity("sag", "d", "m", "largest vertical distance of the line below the chord between its supports"),
     Quantity("drop", "f", "m", "depth of the vertex of the curve below the upper support"),
@@ -80,6 +80,18 @@ TABLE = (
     Quantity("xi", r"\xi", "1", "dimensionless horizontal distance from the reference angle"),
     Quantity("eta", r"\eta", "1", "dimensionless vertical distance from the reference angle"),
     Quantity("force_B", r"\mathbf{F}_B", "N", "tension times tangent at end B, tangent from A to B", ("component",)),
+    Quantity("angle_A", r"\alpha_A", "rad", "angle of the tangent at end A above the direction of tow, 0 to 2 pi"),
+    Quantity("angle_B", r"\alpha_B", "rad", "angle of the tangent at end B above the direction of tow, 0 to 2 pi"),
+    Quantity(
+        "lowest_point", r"\mathbf{r}_l", "m", "position of the lowest point of the line from end A", ("component",)
+    ),
+    Quantity(
+        "farthest_point",
+        r"\mathbf{r}_f",
+        "m",
+        "position from end A of the point of the line that is farthest downstream",
+        ("component",),
+    ),
     Quantity("closing_error", "e", "m", "distance by which the computed line misses its given end"),
     Quantity("steps", "n", "1", "integration steps, or segments, in all"),
     # what every solver can tell of its work

@@ -30,10 +30,9 @@ def default_study(tmp_path_factory) -> Path:
 @pytest.fixture
 def pulled_line(monkeypatch):
     """A solver with words, vectors and problem kinds, found as if it lay in the folder of the solvers."""
-    name = "pulled_line"
-    names = sorted([name, *solver.solver_names()])
+    names = sorted([*(path.stem for path in EXAMPLES.glob("*_line.py")), *solver.solver_names()])
     monkeypatch.setattr(cablesim.solvers, "__path__", [*cablesim.solvers.__path__, str(EXAMPLES)])
     monkeypatch.setattr(solver, "solver_names", lambda: names)
     monkeypatch.setattr(sources, "code_digest", lambda modules, parts: modules[0])
-    yield solver.load_solver(name)
+    yield solver.load_solver("pulled_line")
     solver.load_solver.cache_clear()

@@ -32,8 +32,9 @@ def query(dataset: xr.Dataset, condition: str | None, columns: tuple[str, ...] =
 
 
 def units_of(table: pd.DataFrame) -> dict[str, str]:
-    """The SI unit of each column that has one."""
-    return {str(name): QUANTITIES[str(name)].unit for name in table.columns if name in QUANTITIES}
+    """The SI unit of each column of numbers that has one."""
+    numbers = table.select_dtypes("number").columns
+    return {str(name): QUANTITIES[str(name)].unit for name in numbers if name in QUANTITIES}
 
 
 def render(table: pd.DataFrame, form: str) -> bytes:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 import xarray as xr
 
 from cablesim.config.scene import read_scene
-from cablesim.database.query import query
+from cablesim.database.query import query, render
 from cablesim.database.reading import evaluate, open_scene, select
 from cablesim.errors import InputError
 from cablesim.plan import read_plan
 from cablesim.report.tables import error_table
+from cablesim.solver import load_solver
 from cablesim.steps import run_scene
 from cablesim.study import Layout
 from tests.cli.helpers import Answer, assert_refused, scene, tree
@@ -160,6 +162,7 @@ def test_queries_show_words_and_components(tmp_path):
         "force_A_z",
         "force_B_x",
     ]
+    assert json.loads(render(table[["friction_law", "force_B_z"]], "json"))["units"] == {"force_B_z": "N"}
     with pytest.raises(InputError, match="no column 'force_B': did you mean force_B_"):
         query(found, None, ("force_B",))
 
@@ -268,6 +271,25 @@ def test_check_counts_a_vector_as_three_numbers(ask: Ask, tmp_path):
         assert "friction_law 2 x line_length 2 = 4 scenarios" in answer.text
         sizes.append(float(answer.text.split("at most ")[1].split()[0]))
     assert sizes == [16 * 8, 3 * 16 * 8]
+
+
+BOTH = {"methods": "{wide: {solver: pulled_line}, strict: {solver: strict_line}}", "reference": "wide"}
+
+
+@pytest.mark.parametrize("place", ["design", "fixed"])
+def test_a_value_must_be_within_the_bounds_of_every_method(place, ask: Ask, here: Path):
+    design, fixed = "line_length: [1]", "force_A: [0, 0, 1]"
+    design += ", lay_angle: [0.1, 0.6]" if place == "design" else ""
+    fixed += ", lay_angle: 0.6" if place == "fixed" else ""
+    (here / "asked.yaml").write_text(pulled(**BOTH, design=f"{{grid: {{{design}}}}}", fixed=f"{{{fixed}}}"))
+    assert_refused(ask("check", "asked.yaml"), "methods.strict", "lay_angle must be finite, >= 0 and <= 0.5 rad", "0.6")
+
+
+def test_methods_that_know_different_words_are_refused(ask: Ask, here: Path, monkeypatch):
+    names = load_solver("strict_line").names
+    monkeypatch.setitem(names, "friction_law", replace(names["friction_law"], words=("zero", "constant")))
+    (here / "asked.yaml").write_text(pulled(**BOTH))
+    assert_refused(ask("check", "asked.yaml"), "asked.yaml:4", "methods", "different words for friction_law")
 
 
 # ---- the command for one scenario ----
