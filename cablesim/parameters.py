@@ -164,6 +164,8 @@ class ParameterSpec:
         given = np.atleast_1d(np.asarray(value))
         # Columns of other libraries hold their texts as objects.
         texts = np.array(given.tolist()) if given.dtype.kind in "OT" else given
+        if not texts.size:
+            raise InputError(f"{self.name} has no values")
         if texts.dtype.kind != "U":
             raise InputError(f"{self.name} must be one of {', '.join(self.words)}: it is {texts.flat[0]!s:.60}")
         positions = np.full(texts.shape, -1, dtype=np.int64)

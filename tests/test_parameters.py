@@ -53,6 +53,7 @@ WRONG = {
     "what was given": ({"depth": 1.0}, "given: line_length, force_A, depth$"),
     "an unknown word": ({LAW: "constnt"}, "^friction_law: unknown value 'constnt': did you mean constant?"),
     "one unknown word of two": ({LAW: ["zero", "none"]}, "^friction_law: unknown value 'none'"),
+    "no words": ({LAW: []}, "^friction_law has no values$"),
     "a number for a word": ({LAW: 2}, "^friction_law must be one of constant, cosine_squared, zero: it is 2$"),
     "a word for a number": ({"lay_angle": "wide"}, "^lay_angle must be numbers, not 'wide'$"),
     "a vector of two": ({"force_A": [1, 2]}, r"^force_A must have three components \(x, y, z\): it has 2$"),

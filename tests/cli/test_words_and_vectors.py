@@ -50,6 +50,7 @@ def run(folder: Path, **parts: object) -> xr.Dataset:
 def test_a_word_is_a_word_in_the_dataset_and_its_number_decides_the_answer(tmp_path):
     found = run(tmp_path)
     assert found.friction_law.values.tolist() == ["zero", "constant"]
+    assert found.tension_A.sel({"friction_law": "zero", "line_length": 10.0}).values.tolist() == [5.0, 5.0]
     assert found.friction_law.attrs["words"] == "constant cosine_squared zero"
     np.testing.assert_array_equal(
         found.force_B.sel({"method": "one", "line_length": 10.0}).values, [[0, 9, 12], [0, 3, 4]]
@@ -136,6 +137,13 @@ def test_adding_a_word_or_a_vector_to_an_axis_computes_it_alone(tmp_path):
     new = {digest: shape for digest, shape in shards().items() if digest not in first}
     # For each of the two methods: the new word at all three vectors, the new vector at the old word.
     assert sum(int(np.prod(shape)) for shape in new.values()) == 2 * (3 + 1)
+
+
+def test_a_default_word_spelled_out_is_no_other_scenario(tmp_path):
+    grid = "{grid: {line_length: [1]}}"
+    run(tmp_path, design=grid, fixed="{force_A: [0, 0, 1]}")
+    run(tmp_path, design=grid, fixed="{force_A: [0, 0, 1], friction_law: constant, lay_angle: 0 deg}")
+    assert len(list((tmp_path / "results").glob("**/shards/**/*.nc"))) == 2
 
 
 # ---- formulas, queries, tables, figures ----
