@@ -1,0 +1,40 @@
+"""Loops compiled by numba, kept on disk so that no job compiles what another one has compiled.
+
+Numba notices a change in a compiled function's own file, but not in another file whose functions it calls. So its cache
+lies in a folder named by a digest of all sources that hold numbers, and a changed source never meets an old kernel.
+"""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+from platformdirs import user_cache_path
+
+PACKAGE = Path(__file__).parent.parent
+FOLDERS = ("numerics", "physics", "solvers")
+
+
+def cache_folder() -> Path:
+    """Where the kernels of these sources are kept: in NUMBA_CACHE_DIR, the user's cache or a temporary folder."""
+    digest = hashlib.sha256()
+    for path in sorted(path for folder in FOLDERS for path in (PACKAGE / folder).glob("*.py")):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes())
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    folder = (Path(given) if given else user_cache_path("cablesim")) / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return Path(tempfile.gettempdir()) / f"cablesim-{os.getuid()}" / folder.name
+    return folder
+
+
+numba.config.CACHE_DIR = str(cache_folder())
+
+
+def compiled(function: Callable[..., Any]) -> Any:
+    """The function as machine code. Division by zero gives inf or NaN, as in NumPy; nothing is reordered."""
+    return numba.njit(cache=True, error_model="numpy", nogil=True)(function)
