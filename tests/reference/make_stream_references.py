@@ -27,7 +27,11 @@ Answer = dict[str, mp.mpf]
 
 
 def main() -> None:
-    files = {"pode_functions.csv": write_pode_functions, "pode_example4.csv": write_pode_example4}
+    files = {
+        "pode_functions.csv": write_pode_functions,
+        "pode_example4.csv": write_pode_example4,
+        "stream_lines.csv": write_stream_lines,
+    }
     for name in sys.argv[1:] or files:
         files[name](FOLDER / name)
 
@@ -362,6 +366,341 @@ def check_example4(answer: Answer) -> None:
     known = {"angle_A": 208.5557, "angle_B": 31.0646, "x_180": -21.499, "y_180": -7.981, "x_90": -33.891, "y_90": 0.886}
     for name, value in known.items():
         _require(answer[name] - value, 1, mp.mpf("0.0006"))
+
+
+# ---- lines in a stream, in space ----
+
+LINE_PRINTED = 20
+LINE_RUNS = ((45, 36, "1e-36"), (58, 46, "1e-46"))  # digits, order, local error
+LINE_AGREED = "1e-25"
+LINE_INPUTS = (
+    "line_length",
+    "weight_per_length",
+    "diameter",
+    "normal_drag_coefficient",
+    "tangential_drag_coefficient",
+    "friction_law",
+    "lay_angle",
+    "fluid_density",
+    "stream_speed",
+    "heading",
+    "force_A_x",
+    "force_A_y",
+    "force_A_z",
+)
+LINE_OUTPUTS = (
+    "position_B_x",
+    "position_B_y",
+    "position_B_z",
+    "force_B_x",
+    "force_B_y",
+    "force_B_z",
+    "tension_A",
+    "tension_B",
+    "max_tension",
+)
+LINE_SOURCE = f"""\
+# Lines in a uniform stream given by the force at end A, inputs exactly as printed (SI, radians), outputs rounded to
+# {LINE_PRINTED} digits; made by make_stream_references.py: Taylor series in arc length of the equations dr/ds = t,
+# dF/ds = -q, t = F / |F|, q = K_n |e_p| e_p + K_t g(c) t + K_b (0.4 - 0.3 c^2) c (t x e) - (0, 0, weight_per_length),
+# c = t.e, e_p = e - c t, e = (cos heading, sin heading, 0), z up, A in the origin. g = sign(c) (constant), c|c|
+# (cosine_squared), 0 (zero); K = C rho V^2 d / 2 with C = C_n, C_t, 2 pi tan(lay_angle). A step ends wherever c changes
+# sign or, in a plane line, t_z does. Checked: a run of order {LINE_RUNS[0][1]} in {LINE_RUNS[0][0]} digits and one of \
+order {LINE_RUNS[1][1]} in {LINE_RUNS[1][0]} digits, with
+# other steps, agree to {LINE_AGREED} of the length and of the tension at B; the lines in a plane (lay angle, heading
+# and force_A_y 0) agree with Pode's functions by quadrature to 1e-20. max_tension: anywhere along the line
+"""
+
+Vector = list[mp.mpf]
+Series = list[mp.mpf]  # Taylor coefficients
+
+
+@dataclass(frozen=True)
+class StreamLine:
+    """A line and its stream; the drags K_n, K_t, K_b are per length."""
+
+    length: mp.mpf
+    weight: mp.mpf
+    normal: mp.mpf
+    tangential: mp.mpf
+    lateral: mp.mpf
+    law: str
+    stream: Vector
+    force_A: Vector
+    is_plane: bool
+
+    @classmethod
+    def from_row(cls, row: Row) -> "StreamLine":
+        number = {name: mp.mpf(value) for name, value in row.items() if name != "friction_law"}
+        pressure = number["fluid_density"] * number["stream_speed"] ** 2 * number["diameter"] / 2
+        return cls(
+            number["line_length"],
+            number["weight_per_length"],
+            number["normal_drag_coefficient"] * pressure,
+            number["tangential_drag_coefficient"] * pressure,
+            2 * mp.pi * mp.tan(number["lay_angle"]) * pressure,
+            row["friction_law"],
+            [mp.cos(number["heading"]), mp.sin(number["heading"]), mp.mpf(0)],
+            [number[f"force_A_{axis}"] for axis in "xyz"],
+            row["heading"] == row["lay_angle"] == row["force_A_y"] == 0.0,
+        )
+
+    def end_B(self, order: int, tolerance: mp.mpf) -> Answer:
+        s, place, force = mp.mpf(0), [mp.mpf(0)] * 3, self.force_A
+        highest = tension_A = mp.norm(force)
+        signs = self._first_signs()
+        while s < self.length:
+            step = self.expand(force, signs, order)
+            reach = min(step.reach(tolerance), self.length - s)
+            crossings = [self._crossing(step, k, signs[k], reach) for k in range(len(signs))]
+            h = min(crossings, default=reach)
+            signs = [-sign if crossing == h < reach else sign for sign, crossing in zip(signs, crossings, strict=True)]
+            s = self.length if h == self.length - s else s + h
+            place = [old + value(line, h) for old, line in zip(place, step.place, strict=True)]
+            force = [value(line, h) for line in step.force]
+            highest = max(highest, mp.norm(force), *step.peaks(h))
+        return dict(zip(LINE_OUTPUTS, (*place, *force, tension_A, mp.norm(force), highest), strict=True))
+
+    def _first_signs(self) -> list[int]:
+        """Signs of c and, in a plane line, of t_z just after A; none where there is no stream."""
+        if self.normal == 0:
+            return []
+        upward = int(mp.sign(self.force_A[2]) or mp.sign(self.weight) or 1)
+        along = self.expand(self.force_A, [1, upward], 2).along
+        forward = int(mp.sign(along[0]) or mp.sign(along[1]) or 1)
+        return [forward, upward] if self.is_plane else [forward]
+
+    def _crossing(self, step: "Step", which: int, sign: int, reach: mp.mpf) -> mp.mpf:
+        line = (step.along, step.tangent[2])[which]
+        return next(iter(falls_through_zero([sign * x for x in line], reach)), reach)
+
+    def expand(self, force: Vector, signs: list[int], order: int) -> "Step":
+        """Taylor series of everything, one coefficient after the other."""
+        F, r, t = ([[x] for x in force], [[mp.mpf(0)] for _ in force], [[], [], []])
+        T: Series = []
+        c, c_squared, sine, lateral = [], [], [], []
+        e_p, across = [[], [], []], [[], [], []]
+        for k in range(order):
+            T.append(_root_term(T, sum(_product(x, x, k) for x in F), k))
+            for x, tangent in zip(F, t, strict=True):
+                tangent.append((x[k] - mp.fdot(T[1:], tangent[::-1])) / T[0])
+            q = [mp.mpf(0), mp.mpf(0), -self.weight if k == 0 else mp.mpf(0)]
+            c.append(mp.fdot(self.stream, [tangent[k] for tangent in t]))
+            if self.normal:
+                c_squared.append(_product(c, c, k))
+                for i, x in enumerate(e_p):
+                    x.append((self.stream[i] if k == 0 else 0) - _product(c, t[i], k))
+                if self.is_plane:
+                    sine.append(signs[1] * t[2][k])
+                else:
+                    sine.append(_root_term(sine, sum(_product(x, x, k) for x in e_p), k))
+                q = [a + self.normal * _product(sine, x, k) for a, x in zip(q, e_p, strict=True)]
+                q = [a + self.tangential * x for a, x in zip(q, self._along(signs[0], c_squared, t, k), strict=True)]
+            if self.lateral:
+                lateral.append((2 * c[k] / 5) - 3 * _product(c_squared, c, k) / 10)
+                for x, term in zip(across, _cross([tangent[k] for tangent in t], self.stream), strict=True):
+                    x.append(term)
+                q = [a + self.lateral * _product(lateral, x, k) for a, x in zip(q, across, strict=True)]
+            for i in range(3):
+                F[i].append(-q[i] / (k + 1))
+                r[i].append(t[i][k] / (k + 1))
+        return Step(r, F, t, T, c)
+
+    def _along(self, sign: int, c_squared: Series, t: list[Series], k: int) -> Vector:
+        """The k-th coefficient of g(c) t."""
+        if self.law == "zero":
+            return [mp.mpf(0)] * 3
+        return [sign * (x[k] if self.law == "constant" else _product(c_squared, x, k)) for x in t]
+
+
+@dataclass(frozen=True)
+class Step:
+    place: list[Series]
+    force: list[Series]
+    tangent: list[Series]
+    tension: Series
+    along: Series
+
+    def reach(self, tolerance: mp.mpf) -> mp.mpf:
+        """How far the last terms of force and tangent stay below the tolerance."""
+        lines = [(line, self.tension[0]) for line in self.force] + [(line, mp.mpf(1)) for line in self.tangent]
+        terms = [(abs(line[k]) / size, k) for line, size in lines for k in (len(line) - 1, len(line) - 2)]
+        return min((mp.power(tolerance / term, mp.mpf(1) / k) for term, k in terms if term), default=mp.inf)
+
+    def peaks(self, h: mp.mpf) -> Vector:
+        """Largest tensions inside the step."""
+        return [value(self.tension, s) for s in falls_through_zero(derivative(self.tension), h)]
+
+
+def falls_through_zero(line: Series, reach: mp.mpf, count: int = 12) -> Iterator[mp.mpf]:
+    """Where a series falls from positive to negative; two zeros close together are found by the minimum between."""
+    slope = derivative(line)
+    places = [reach * j / count for j in range(count + 1)]
+    values, slopes = [value(line, s) for s in places], [value(slope, s) for s in places]
+    for (a, b), (low, high), (down, up) in zip(*map(pairwise, (places, values, slopes)), strict=True):
+        if (low > 0 or a > 0) and low >= 0 > high:
+            yield bisect(line, a, b)
+        elif low > 0 and high > 0 and down < 0 < up:
+            middle = bisect([-x for x in slope], a, b)
+            if value(line, middle) < 0:
+                yield bisect(line, a, middle)
+
+
+def bisect(line: Series, a: mp.mpf, b: mp.mpf) -> mp.mpf:
+    """The zero of a series that is positive at `a` and negative at `b`."""
+    for _ in range(mp.mp.prec + 10):
+        middle = (a + b) / 2
+        a, b = (middle, b) if value(line, middle) > 0 else (a, middle)
+    return b
+
+
+def value(line: Series, s: mp.mpf) -> mp.mpf:
+    return mp.polyval(line[::-1], s)
+
+
+def derivative(line: Series) -> Series:
+    return [k * x for k, x in enumerate(line)][1:]
+
+
+def _product(a: Series, b: Series, k: int) -> mp.mpf:
+    """The k-th coefficient of a b."""
+    return mp.fdot(a[: k + 1], b[k::-1])
+
+
+def _root_term(root: Series, square: mp.mpf, k: int) -> mp.mpf:
+    """The k-th coefficient of a square root, from those before it and the k-th coefficient of the square."""
+    return mp.sqrt(square) if k == 0 else (square - mp.fdot(root[1:k], root[k - 1 : 0 : -1])) / (2 * root[0])
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def line_answer(row: Row) -> Answer:
+    """The second run, if the first says the same."""
+    answers = []
+    for digits, order, tolerance in LINE_RUNS:
+        mp.mp.dps = digits
+        answers.append(StreamLine.from_row(row).end_B(order, mp.mpf(tolerance)))
+    first, second = answers
+    for name in LINE_OUTPUTS:
+        scale = row["line_length"] if name.startswith("position") else second["tension_B"]
+        _require(first[name] - second[name], scale, mp.mpf(LINE_AGREED))
+    check_with_pode(row, second)
+    return second
+
+
+def check_with_pode(row: Row, answer: Answer) -> None:
+    """Arc length, place and tension of a plane line from its two angles.
+
+    A line that floats is its mirror image; one outside the domain is inside it when followed from B to A.
+    """
+    line = StreamLine.from_row(row)
+    if not line.is_plane or line.normal == 0:
+        return
+    w, mirror = abs(line.weight) / line.normal, -1 if line.weight < 0 else 1
+    pode = Pode(mp.acos(1 / (w / 2 + mp.sqrt(1 + w**2 / 4))), w, line.tangential / line.normal, line.law)
+    forces = [line.force_A, [answer[f"force_B_{axis}"] for axis in "xyz"]]
+    angles = [mp.atan2(mirror * z, -x) for x, _, z in forces]
+    low = pode.critical_angle
+    sign = 1 if low < angles[0] % (2 * mp.pi) < low + mp.pi else -1
+    A, B = (low + (angle - low) % mp.pi for angle in angles)
+    tau, (sigma, xi, eta) = pode.functions(A, B)
+    scale = answer["tension_A"] / line.normal
+    for found, known, size in (
+        (sign * scale * sigma, line.length, line.length),
+        (-scale * xi, answer["position_B_x"], line.length),
+        (mirror * scale * eta, answer["position_B_z"], line.length),
+        (tau, answer["tension_B"] / answer["tension_A"], tau),
+    ):
+        _require(found - known, size, mp.mpf("1e-20"))
+
+
+def write_stream_lines(path: Path) -> None:
+    _write(path, LINE_SOURCE, (*LINE_INPUTS, *LINE_OUTPUTS), stream_lines(np.random.default_rng(SEED + 1)))
+
+
+def stream_lines(rng: np.random.Generator) -> Iterator[list[str]]:
+    for row in line_rows(rng):
+        answer = line_answer(row)
+        outputs = (mp.nstr(answer[name], LINE_PRINTED, strip_zeros=False) for name in LINE_OUTPUTS)
+        yield [*(_shown(row[name]) for name in LINE_INPUTS), *outputs]
+
+
+def line_rows(rng: np.random.Generator) -> Iterator[Row]:
+    """Every second line starts with the stream under a low tension: these are turned round, past the corners of q."""
+    for k in range(80):  # in space
+        speed = 0.0 if k < 6 else None
+        heading = 0.0 if k % 3 == 0 else float(rng.uniform(-np.pi, np.pi))
+        lay = 0.0 if k // 2 % 2 == 0 else float(rng.uniform(0.0, np.radians(20.0)))
+        direction = _direction(rng)
+        if k % 2:
+            direction = direction * np.sign(direction @ (np.cos(heading), np.sin(heading), 0.0))
+        yield _line_row(rng, direction, heading, lay, speed, most=1.0 if k % 2 else 50.0)
+    for k in range(40):  # in a plane; the last ones start exactly upright or exactly level
+        angle = rng.uniform(0.0, 2 * np.pi)
+        direction = np.array([abs(np.cos(angle)) if k % 2 else np.cos(angle), 0.0, np.sin(angle)])
+        if k >= 34:
+            direction = [np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])][k % 2] * rng.choice([-1.0, 1.0])
+        speed, weight = 0.0 if k < 3 else None, 0.0 if 3 <= k < 6 else None
+        yield _line_row(rng, direction, 0.0, 0.0, speed, weight, most=1.0 if k % 2 else 50.0)
+    yield from peaked_rows(rng, 8)
+
+
+def peaked_rows(rng: np.random.Generator, count: int) -> Iterator[Row]:
+    """Light, hard-laid ropes with the largest tension between the ends.
+
+    Without the lateral force it is always at an end; with it, only near the direction tried here, and by little.
+    """
+    found = 0
+    while found < count:
+        lay, heading = float(rng.uniform(np.radians(18.0), np.radians(20.0))), float(rng.uniform(-np.pi, np.pi))
+        row = {**_line_row(rng, _direction(rng), heading, lay, None), "friction_law": "constant"}
+        mp.mp.dps = 20
+        row = _with_level_tension(rng, row)
+        if not -20.0 <= row["weight_per_length"] <= 200.0:
+            continue
+        rough = StreamLine.from_row(row).end_B(14, mp.mpf("1e-14"))
+        if rough["max_tension"] > max(rough["tension_A"], rough["tension_B"]) * (1 + mp.mpf("1e-6")):
+            found += 1
+            yield row
+
+
+def _with_level_tension(rng: np.random.Generator, row: Row) -> Row:
+    """The row with a weight that balances the tangential drag, and a force at A such that it does so in the middle."""
+    line, side, sign = StreamLine.from_row(row), rng.choice([-1, 1]), int(rng.choice([-1, 1]))
+    (cos, sin, _), tilt = line.stream, rng.uniform(0.8, 1.2, size=3) * (0.49, 0.86, 0.125)
+    tangent = [sign * tilt[0] * cos + side * tilt[1] * sin, sign * tilt[0] * sin - side * tilt[1] * cos, side * tilt[2]]
+    tangent = [x / mp.norm(tangent) for x in tangent]
+    row = {**row, "weight_per_length": float(sign * line.tangential / tangent[2])}
+    load = [-force[1] for force in StreamLine.from_row(row).expand(tangent, [sign], 2).force]
+    tension = mp.norm(load) * line.length * rng.uniform(1.0, 5.0)
+    force = [tension * x + q * line.length / 2 for x, q in zip(tangent, load, strict=True)]
+    return {**row, **{f"force_A_{axis}": float(x) for axis, x in zip("xyz", force, strict=True)}}
+
+
+def _line_row(
+    rng: np.random.Generator,
+    direction: np.ndarray,
+    heading: float,
+    lay: float,
+    speed: float | None,
+    weight: float | None = None,
+    most: float = 50.0,
+) -> Row:
+    length, speed = _log_uniform(rng, 0, np.log10(3000.0)), rng.uniform(0.05, 5.0) if speed is None else speed
+    weight, diameter = rng.uniform(-20.0, 200.0) if weight is None else weight, rng.uniform(0.005, 0.1)
+    normal, tangential, density = rng.uniform(1.1, 1.4), rng.uniform(0.02, 0.04), 1025.0
+    load = (abs(weight) + normal * density * speed**2 * diameter / 2) * length
+    force = direction * load * _log_uniform(rng, np.log10(0.02), np.log10(most))
+    law = str(rng.choice(LAWS, p=(0.45, 0.35, 0.2)))
+    numbers = (length, weight, diameter, normal, tangential, law, lay, density, speed, heading, *force)
+    return {name: x if isinstance(x, str) else float(x) + 0.0 for name, x in zip(LINE_INPUTS, numbers, strict=True)}
+
+
+def _direction(rng: np.random.Generator) -> np.ndarray:
+    vector = rng.normal(size=3)
+    return vector / np.linalg.norm(vector)
 
 
 if __name__ == "__main__":
