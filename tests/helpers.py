@@ -12,27 +12,43 @@ from cablesim.solver import load_solver
 FOLDER = Path(__file__).parent
 REFERENCE = FOLDER / "reference"
 PUBLISHED = FOLDER.parent / "config" / "scenes" / "tables"
+# Methods for lines in the vertical plane of the stream only.
+PLANE_METHODS = ("pode_line", "pode_table_line")
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Columns of a CSV file by name, empty cells as NaN; lines that start with # say where it comes from."""
+    """Columns of a CSV file by name, as numbers (empty cells as NaN) or else as words; a line with # says its source."""
     with path.open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(line for line in file if not line.startswith("#"))
-    columns = zip(*rows, strict=True)
-    return {name: np.array([float(cell or "nan") for cell in cells]) for name, cells in zip(head, columns, strict=True)}
+    return {name: _column(cells) for name, cells in zip(head, zip(*rows, strict=True), strict=True)}
 
 
-def draw(solver: str, size: int, seed: int) -> dict[str, np.ndarray]:
-    """Random parameters of a solver's first problem from the ranges that it declares; none that replaces another."""
+def problems(solver: str) -> tuple[tuple[str, ...], ...]:
+    """The groups of parameters of which a solver takes one; a single empty group where there is no choice."""
+    return load_solver(solver).module.Parameters.PROBLEMS or ((),)
+
+
+def draw(solver: str, size: int, seed: int, problem: int = 0) -> dict[str, np.ndarray]:
+    """Random parameters of one of a solver's problems from the ranges that it declares; none that replaces another.
+
+    Lines of a plane method lie in its plane.
+    """
     rng = np.random.default_rng(seed)
-    chosen = load_solver(solver)
-    first, *others = chosen.module.Parameters.PROBLEMS or ((),)
-    left_out = {name for problem in others for name in problem} - set(first)
-    wanted = [s for s in chosen.parameters.values() if s.instead_of is None and s.name not in left_out]
-    return {spec.name: _spread(spec, size, rng) for spec in wanted}
+    left_out = {name for group in problems(solver) for name in group} - set(problems(solver)[problem])
+    declared = load_solver(solver).parameters.values()
+    wanted = [s for s in declared if s.instead_of is None and s.name not in left_out]
+    values = {spec.name: _spread(spec, size, rng) for spec in wanted}
+    return in_plane(values) if solver in PLANE_METHODS else values
 
 
-def rows(columns: dict[str, np.ndarray], which: np.ndarray | int) -> dict[str, np.ndarray]:
+def in_plane(line: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Lines in a stream along x, without lay angle, moved into the vertical plane of the stream."""
+    flat = {name: values * [1.0, 0.0, 1.0] for name, values in line.items() if values.ndim == 2}
+    straight = {name: np.zeros_like(line[name]) for name in ("heading", "lay_angle") if name in line}
+    return line | flat | straight
+
+
+def rows(columns: dict[str, np.ndarray], which: np.ndarray | int | slice) -> dict[str, np.ndarray]:
     """Some of the scenarios."""
     return {name: values[which] for name, values in columns.items()}
 
@@ -40,6 +56,13 @@ def rows(columns: dict[str, np.ndarray], which: np.ndarray | int) -> dict[str, n
 def relative_error(found: Array, expected: Array, scale: Array | float = 0.0) -> Array:
     """Error relative to the expected value, or to `scale` where that is larger."""
     return np.abs(found - expected) / np.maximum(np.abs(expected), scale)
+
+
+def _column(cells: tuple[str, ...]) -> np.ndarray:
+    try:
+        return np.array([float(cell or "nan") for cell in cells])
+    except ValueError:
+        return np.array(cells)
 
 
 def _spread(spec: ParameterSpec, size: int, rng: np.random.Generator) -> np.ndarray:
