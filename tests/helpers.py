@@ -17,7 +17,7 @@ PLANE_METHODS = ("pode_line", "pode_table_line")
 
 
 def read_table(path: Path) -> dict[str, Array]:
-    """Columns of a CSV file by name, as numbers (empty cells as NaN) or else as words; a line with # says its source."""
+    """Columns of a CSV file by name, as numbers (empty cells NaN) or else as words; lines with # tell the source."""
     with path.open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(line for line in file if not line.startswith("#"))
     return {name: _column(cells) for name, cells in zip(head, zip(*rows, strict=True), strict=True)}
