@@ -47,7 +47,8 @@ class StreamLoads:
     @property
     def magnitude(self) -> Array:
         """A load per length that none of the parts exceeds in sum."""
-        return np.hypot.reduce(self.steady, axis=1) + self.normal_drag + self.tangential_drag + np.abs(self.lateral_drag)
+        steady = np.hypot.reduce(self.steady, axis=1)
+        return steady + self.normal_drag + self.tangential_drag + np.abs(self.lateral_drag)
 
     def take(self, which: np.ndarray) -> "StreamLoads":
         """Some of the lines."""
