@@ -59,7 +59,7 @@ def damped_newton(system: System, start: Array, tolerance: float | Array, most: 
 
 def _step(value: Array, jacobian: Array) -> Array:
     """Newton's step of each system; NaN, which no step is taken with, where the Jacobian is singular."""
-    usable = np.isfinite(value).all(axis=1) & np.isfinite(jacobian).all(axis=(1, 2))
+    usable = np.isfinite(np.sum(value, axis=1)) & np.isfinite(np.sum(jacobian, axis=(1, 2)))
     usable &= np.abs(np.linalg.det(np.where(usable[:, None, None], jacobian, np.eye(value.shape[1])))) > 0.0
     step = np.full_like(value, np.nan)
     if usable.any():

@@ -16,7 +16,7 @@ digits, and every integrand is smooth on a scale of one.
 import numpy as np
 
 from cablesim.numerics.compiled import compiled
-from cablesim.physics.stream import CONSTANT, ZERO
+from cablesim.physics.stream import CONSTANT, COSINE_SQUARED, ZERO
 
 # pi as a float and what the float leaves out.
 PI, PI_TAIL = np.pi, 1.2246467991473532e-16
@@ -105,6 +105,22 @@ def tension_logarithm(u, line):  # type: ignore[no-untyped-def]
     if u >= line[U_RIGHT]:
         return log_tension(angle, low, -1.0, line) + line[BEFORE]
     return log_tension(angle, low, 1.0, line)
+
+
+@compiled
+def tension_rate(u, line):  # type: ignore[no-untyped-def]
+    """|d log(T) / du|: how steep the integrands are, which a light line with friction makes very steep near a = pi."""
+    angle, low, high = angle_of_logit(u, line[CRITICAL])
+    x, distance = (line[CRITICAL] - high, high) if u > line[U_STRAIGHT] else (angle, low)
+    cosine = np.cos(x)
+    friction = 0.0
+    if line[LAW] == CONSTANT:
+        friction = line[FRICTION] * line[COSINE]
+    elif line[LAW] == COSINE_SQUARED:
+        friction = line[FRICTION] * line[COSINE] * cosine * cosine
+    side = 1.0 if u > line[U_STRAIGHT] or u < line[U_RIGHT] else -1.0
+    pull = side * friction + line[SINE] ** 2 * np.sin(x)
+    return abs(pull) / resistance(x, distance, line) * low * high / PI
 
 
 @compiled

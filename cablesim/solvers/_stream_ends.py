@@ -18,8 +18,10 @@ from cablesim.physics.stream import StreamLoads
 from cablesim.solvers._stream_march import REACHED, march
 
 # Accuracy of the integration while Newton is still on its way.
-COARSE = 1e-6
-CLOSE_ENOUGH = 1e-4
+COARSE, CLOSE_ENOUGH = 1e-5, 1e-3
+SMALLEST_SLACK = 1e-6
+# The tolerance of a step in units of the accuracy asked for, which many steps have to keep; and the least that helps.
+ACCURACY, SMALLEST_TOLERANCE = 0.1, 1e-13
 # A catenary with its ends nearer than this part of its length on one load line has no shape to start from.
 NARROWEST = 1e-3
 MOST_CONTINUATION_STEPS = 400
@@ -40,19 +42,23 @@ class Anchor:
 
 @dataclass(frozen=True)
 class InnerForce:
-    """Force (n, 3) at the arc length `at` (n,) from A, where the line is slackest; whether B is met; integrations."""
+    """Force (n, 3) at the arc length `at` (n,) from A, where the line is slackest; whether B is met; integrations.
+
+    `rtol` (n,) is the tolerance of the integration that gives the tension to the accuracy asked for.
+    """
 
     force: Array
     at: Array
     converged: np.ndarray
     iterations: np.ndarray
+    rtol: Array
 
 
 def force_between_ends(chord: Array, length: Array, loads: StreamLoads, rtol: float) -> InnerForce:
     """The force of lines whose B is at `chord` (n, 3) from A; every line must be longer than its chord."""
-    tolerance = 10.0 * rtol
+    fine = integration_tolerance(chord, length, rtol)
     anchor = catenary_start(chord, length, loads, uniform_load(chord, length, loads))
-    points, anchor = _solve(anchor, chord, length, loads, rtol, tolerance)
+    points, anchor = _solve(anchor, chord, length, loads, fine)
     work = points.iterations
     for follow in (_by_load, _by_length):
         failed = np.flatnonzero(~points.converged)
@@ -60,11 +66,17 @@ def force_between_ends(chord: Array, length: Array, loads: StreamLoads, rtol: fl
             break
         part = (chord[failed], length[failed], loads.take(failed))
         found, steps = follow(*part)
-        again, moved = _solve(found, *part, rtol, tolerance)
+        again, moved = _solve(found, *part, fine[failed])
         points = _replaced(points, failed, again)
         anchor.force[failed], anchor.at[failed] = moved.force, moved.at
         work[failed] += again.iterations + steps
-    return InnerForce(points.x, anchor.at, points.converged, work)
+    return InnerForce(points.x, anchor.at, points.converged, work, fine)
+
+
+def integration_tolerance(chord: Array, length: Array, rtol: float) -> Array:
+    """Tolerance of position that gives the tension to `rtol`: the tension of a taut line follows from its slack."""
+    slack = 1.0 - np.linalg.norm(chord, axis=1) / length
+    return np.maximum(ACCURACY * rtol * slack, SMALLEST_TOLERANCE)
 
 
 def uniform_load(chord: Array, length: Array, loads: StreamLoads) -> Array:
@@ -105,21 +117,26 @@ def _perpendicular(up: Array, loads: StreamLoads) -> Array:
     return np.where((np.linalg.norm(along, axis=1) > 1e-6)[:, None], along, other)
 
 
-def _solve(
-    anchor: Anchor, chord: Array, length: Array, loads: StreamLoads, rtol: float, tolerance: float
-) -> tuple[Points, Anchor]:
+def _solve(anchor: Anchor, chord: Array, length: Array, loads: StreamLoads, rtol: Array) -> tuple[Points, Anchor]:
     """Newton with a coarse integration, the unknown moved to where the line is slackest, then with a fine one."""
-    coarse = _newton(anchor, chord, length, loads, max(COARSE, rtol), CLOSE_ENOUGH)
-    anchor = _slackest(coarse.x, anchor.at, length, loads, max(COARSE, rtol))
-    fine = _newton(anchor, chord, length, loads, rtol, tolerance)
+    first, close = _on_the_way(chord, length)
+    coarse = _newton(anchor, chord, length, loads, first, close)
+    anchor = _slackest(coarse.x, anchor.at, length, loads, first)
+    fine = _newton(anchor, chord, length, loads, rtol, rtol)
     return Points(fine.x, fine.residual, fine.converged, coarse.iterations + fine.iterations), anchor
 
 
-def _newton(anchor: Anchor, chord: Array, length: Array, loads: StreamLoads, rtol: float, tolerance: float) -> Points:
+def _on_the_way(chord: Array, length: Array) -> tuple[Array, Array]:
+    """Tolerances of integration and end while Newton is on its way; a taut line needs finer ones to be seen at all."""
+    slack = np.maximum(1.0 - np.linalg.norm(chord, axis=1) / length, SMALLEST_SLACK)
+    return COARSE * slack, CLOSE_ENOUGH * slack
+
+
+def _newton(anchor: Anchor, chord: Array, length: Array, loads: StreamLoads, rtol: Array, tolerance: Array) -> Points:
     def system(force: Array, which: np.ndarray) -> tuple[Array, Array]:
         own, at = loads.take(which), anchor.at[which]
-        onward = march(force, length[which] - at, own, rtol, sensitive=True)
-        back = march(force, -at, own, rtol, sensitive=True)
+        onward = march(force, length[which] - at, own, rtol[which], sensitive=True)
+        back = march(force, -at, own, rtol[which], sensitive=True)
         scale = 1.0 / length[which]
         miss = (onward.position - back.position - chord[which]) * scale[:, None]
         miss[(onward.end != REACHED) | (back.end != REACHED)] = np.nan
@@ -128,7 +145,7 @@ def _newton(anchor: Anchor, chord: Array, length: Array, loads: StreamLoads, rto
     return damped_newton(system, anchor.force, tolerance)
 
 
-def _slackest(force: Array, at: Array, length: Array, loads: StreamLoads, rtol: float) -> Anchor:
+def _slackest(force: Array, at: Array, length: Array, loads: StreamLoads, rtol: Array) -> Anchor:
     """The same lines, known by their force where their tension is least."""
     onward, back = march(force, length - at, loads, rtol), march(force, -at, loads, rtol)
     ahead = np.linalg.norm(onward.slack_force, axis=1) <= np.linalg.norm(back.slack_force, axis=1)
@@ -151,7 +168,7 @@ def _by_length(chord: Array, length: Array, loads: StreamLoads) -> tuple[Anchor,
     """From a nearly taut line to one of full length, paid out between the same ends."""
     taut = np.minimum(TAUT * np.linalg.norm(chord, axis=1), length)
     start = catenary_start(chord, taut, loads, uniform_load(chord, taut, loads))
-    first = _newton(start, chord, taut, loads, COARSE, CLOSE_ENOUGH)
+    first = _newton(start, chord, taut, loads, *_on_the_way(chord, taut))
     start = Anchor(first.x, start.at / taut)
 
     def stage(which: np.ndarray, share: Array) -> tuple[Array, Array, StreamLoads]:
@@ -173,11 +190,12 @@ def _follow(start: Anchor, stage: Stage, relative: bool = False) -> tuple[Anchor
         goal = np.minimum(1.0, share[active] + step[active])
         chord, length, loads = stage(active, goal)
         where = at[active] * length if relative else at[active]
-        found = _newton(Anchor(force[active], where), chord, length, loads, COARSE, CLOSE_ENOUGH)
+        rtol, tolerance = _on_the_way(chord, length)
+        found = _newton(Anchor(force[active], where), chord, length, loads, rtol, tolerance)
         work[active] += found.iterations
         good = found.converged
         done = active[good]
-        moved = _slackest(found.x[good], where[good], length[good], loads.take(good), COARSE)
+        moved = _slackest(found.x[good], where[good], length[good], loads.take(good), rtol[good])
         force[done], at[done] = moved.force, moved.at / length[good] if relative else moved.at
         share[done] = goal[good]
         step[done] = np.minimum(2.0 * step[done], LARGEST_CONTINUATION_STEP)

@@ -36,19 +36,11 @@ SLACK_START = 1e-13
 
 
 @dataclass(frozen=True)
-class StreamLine(Batch):
-    """A line in a uniform stream: from a known force over a length or up to a depth, or between two known ends."""
+class LineBetweenEnds(Batch):
+    """A line in a uniform stream of known length between two known ends."""
 
-    PROBLEMS: ClassVar[tuple[tuple[str, ...], ...]] = (
-        ("force_A", "line_length"),
-        ("force_A", "depth"),
-        ("position_B", "line_length"),
-    )
-
-    force_A: Array = parameter(vector=True, typical=(-1e5, 1e5))
     position_B: Array = parameter(vector=True, typical=(-50.0, 50.0))
     line_length: Array = parameter(above=0.0, typical=(100.0, 1000.0))
-    depth: Array = parameter(above=0.0, typical=(1.0, 100.0))
     weight_per_length: Array = parameter(typical=(-20.0, 200.0))
     diameter: Array = parameter(above=0.0, typical=(5e-3, 0.1))
     normal_drag_coefficient: Array = parameter(at_least=0.0, typical=(1.1, 1.4))
@@ -74,11 +66,10 @@ class StreamLine(Batch):
             self.heading,
         )
 
-    @cached_property
+    @property
     def has_load(self) -> np.ndarray:
-        """Whether weight, drag or a pull act at all: without them a line has no shape."""
-        loaded = self.loads.magnitude > 0.0
-        return loaded if self.force_A is None else loaded | self.force_A.any(axis=1)
+        """Whether weight or drag act at all: without them a line has no shape."""
+        return self.loads.magnitude > 0.0
 
     @cached_property
     def fate_of_ends(self) -> np.ndarray:
@@ -94,6 +85,26 @@ class StreamLine(Batch):
         some = 0.5 * self.line_length[:, None] * np.array([0.6, 0.0, 0.8])
         return np.where(usable[:, None], self.position_B, some), self.line_length
 
+
+@dataclass(frozen=True)
+class StreamLine(LineBetweenEnds):
+    """A line in a uniform stream: from a known force over a length or up to a depth, or between two known ends."""
+
+    PROBLEMS: ClassVar[tuple[tuple[str, ...], ...]] = (
+        ("force_A", "line_length"),
+        ("force_A", "depth"),
+        ("position_B", "line_length"),
+    )
+
+    force_A: Array = parameter(vector=True, typical=(-1e5, 1e5))
+    depth: Array = parameter(above=0.0, typical=(1.0, 100.0))
+
+    @property
+    def has_load(self) -> np.ndarray:
+        """Whether weight, drag or a pull act at all: without them a line has no shape."""
+        loaded = self.loads.magnitude > 0.0
+        return loaded if self.force_A is None else loaded | self.force_A.any(axis=1)
+
     @cached_property
     def pull(self) -> Array:
         """Force at A; where it is zero, a trace of one in the direction that the line's own load gives it."""
@@ -107,31 +118,31 @@ class StreamLine(Batch):
 
 
 @dataclass(frozen=True)
-class Options:
-    """Numerical options."""
+class Nodes:
+    """The option that all methods share."""
 
-    rtol: float = option(1e-12, at_least=1e-14, at_most=1e-2, meaning="error allowed in a step, relative to the line")
     nodes: int = option(101, at_least=2, at_most=100_000, meaning="nodes of the profile")
 
 
 @dataclass(frozen=True)
-class SolvedLine(ABC):
+class Options(Nodes):
+    """Numerical options of an integrated line."""
+
+    rtol: float = option(1e-12, at_least=1e-14, at_most=1e-2, meaning="relative accuracy of tension and position")
+
+
+@dataclass(frozen=True)
+class SolvedEnds(ABC):
     """Lines solved by any method, arrays of one entry per scenario; each quantity is computed when it is asked for."""
 
     force_A: Array
     line_length: Array
     loads: StreamLoads
-    nodes: int
 
     @property
     @abstractmethod
     def force_B(self) -> Array:
         """Force vector at B."""
-
-    @property
-    @abstractmethod
-    def shape(self) -> tuple[Array, Array]:
-        """Positions (scenario, node, 3) and tensions (scenario, node) along the line."""
 
     @property
     def tension_A(self) -> Array:
@@ -149,6 +160,23 @@ class SolvedLine(ABC):
     def angle_B(self) -> Array:
         return self._angle(self.force_B)
 
+    def _angle(self, force: Array) -> Array:
+        """Angle of a tangent above the direction of tow, in the vertical plane along the stream, from 0 to 2 pi."""
+        against = -np.einsum("ij,ij->i", force[:, :2], self.loads.direction)
+        return np.arctan2(force[:, 2], against) % (2.0 * np.pi)
+
+
+@dataclass(frozen=True)
+class SolvedLine(SolvedEnds):
+    """Lines that are known all along."""
+
+    nodes: int
+
+    @property
+    @abstractmethod
+    def shape(self) -> tuple[Array, Array]:
+        """Positions (scenario, node, 3) and tensions (scenario, node) along the line."""
+
     @property
     def profile(self) -> Array:
         return self.shape[0]
@@ -156,8 +184,3 @@ class SolvedLine(ABC):
     @property
     def profile_tension(self) -> Array:
         return self.shape[1]
-
-    def _angle(self, force: Array) -> Array:
-        """Angle of a tangent above the direction of tow, in the vertical plane along the stream, from 0 to 2 pi."""
-        against = -np.einsum("ij,ij->i", force[:, :2], self.loads.direction)
-        return np.arctan2(force[:, 2], against) % (2.0 * np.pi)

@@ -53,7 +53,7 @@ def march(
     force: Array,
     length: Array,
     loads: StreamLoads,
-    rtol: float,
+    rtol: float | Array,
     *,
     depth: Array | None = None,
     sensitive: bool = False,
@@ -64,7 +64,8 @@ def march(
     """
     n = length.size
     result = March(
-        *(np.empty((n, 3)) for _ in range(2)),
+        np.empty((n, 3)),
+        np.empty((n, 3)),
         np.empty(n),
         np.empty((n, 3, 3)),
         np.empty((n, PEAKS, 4)),
@@ -74,15 +75,16 @@ def march(
         np.zeros(n, dtype=np.int64),
     )
     targets = np.full(n, np.nan) if depth is None else depth
+    tolerances = np.ascontiguousarray(np.broadcast_to(rtol, n), dtype=float)
     _march_all(
-        np.ascontiguousarray(force), np.ascontiguousarray(length), targets, loads.packed, loads.friction_law, rtol,
-        FULL if sensitive else PLAIN, result.force, result.position, result.length, result.by_force,
+        np.ascontiguousarray(force), np.ascontiguousarray(length), targets, loads.packed, loads.friction_law,
+        tolerances, FULL if sensitive else PLAIN, result.force, result.position, result.length, result.by_force,
         result.peaks, result.steps, result.slack_length, result.slack_force, result.end,
     )  # fmt: skip
     return result
 
 
-def trace(force: Array, at: Array, length: Array, loads: StreamLoads, rtol: float, nodes: int) -> tuple[Array, Array]:
+def trace(force: Array, at: Array, length: Array, loads: StreamLoads, rtol: Array, nodes: int) -> tuple[Array, Array]:
     """Positions from A and force vectors (scenario, node, 3) at equal steps of arc length.
 
     `force` is known at the arc length `at` from A.
@@ -106,10 +108,10 @@ def _march_all(  # type: ignore[no-untyped-def]
         sides = _sides(y, packed[i], 1.0 if length[i] >= 0.0 else -1.0)
         slackest[:] = _tension(y), y[0], y[1], y[2]
         s_and_h = np.zeros(3)
-        _keep_peaks(y, packed[i], peaks[i])
+        keep_peaks(y, packed[i], peaks[i])
         end[i], steps[i] = _advance(
-            y, s_and_h, length[i], abs(length[i]), depth[i], packed[i], laws[i], sides, rtol, size, stages, trial,
-            slackest, peaks[i],
+            y, s_and_h, length[i], abs(length[i]), depth[i], packed[i], laws[i], sides, rtol[i], size, stages,
+            trial, slackest, peaks[i],
         )  # fmt: skip
         for k in range(3):
             force_end[i, k], position[i, k], slack_force[i, k] = y[k], y[3 + k], slackest[1 + k]
@@ -126,8 +128,8 @@ def _trace_all(force, at, length, packed, laws, rtol, positions, forces):  # typ
     nodes = positions.shape[1]
     for i in range(length.size):
         first = int(np.ceil(at[i] / length[i] * (nodes - 1)))
-        _trace(force[i], at[i], length[i], packed[i], laws[i], rtol, first, nodes, 1, positions[i], forces[i])
-        _trace(force[i], at[i], length[i], packed[i], laws[i], rtol, first - 1, -1, -1, positions[i], forces[i])
+        _trace(force[i], at[i], length[i], packed[i], laws[i], rtol[i], first, nodes, 1, positions[i], forces[i])
+        _trace(force[i], at[i], length[i], packed[i], laws[i], rtol[i], first - 1, -1, -1, positions[i], forces[i])
 
 
 @compiled
@@ -326,7 +328,7 @@ def _turn_side(y, line, law, sides, size, stages):  # type: ignore[no-untyped-de
 @compiled
 def _note_peaks(y, h, line, law, side, stages, trial, peaks):  # type: ignore[no-untyped-def]
     """The peaks of a step: at its end, or inside where what is to be greatest rises at first and falls at the end."""
-    _keep_peaks(trial, line, peaks)
+    keep_peaks(trial, line, peaks)
     for kind in range(PEAKS):
         rise = _rise(kind, y, stages[0], line) * h
         fall = _rise(kind, trial, stages[STAGES], line) * h
@@ -376,7 +378,7 @@ def _height(kind, y, line):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _keep_peaks(y, line, peaks):  # type: ignore[no-untyped-def]
+def keep_peaks(y, line, peaks):  # type: ignore[no-untyped-def]
     for kind in range(PEAKS):
         height = _height(kind, y, line)
         if height > peaks[kind, 0]:

@@ -33,10 +33,10 @@ from cablesim.solvers._pode_march import (
     pode_integrals,
     walk,
 )
-from cablesim.solvers._stream_ends import force_between_ends
-from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, Options, SolvedLine
+from cablesim.solvers._stream_ends import InnerForce, force_between_ends
+from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, SolvedLine
+from cablesim.solvers._stream_line import Nodes as Options
 from cablesim.solvers._stream_line import StreamLine as Parameters
-from cablesim.solvers._stream_march import march
 from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
@@ -170,11 +170,9 @@ def _from_end(p: Parameters, options: Options) -> Solution:
 def _between_ends(p: Parameters, options: Options) -> Solution:
     chord, length = p.feasible_ends
     estimate = force_between_ends(chord, length, p.loads, ESTIMATE)
-    first = march(estimate.force, -estimate.at, p.loads, ESTIMATE).force
-    last = march(estimate.force, length - estimate.at, p.loads, ESTIMATE).force
-    plane, start = _plane(p, first)
-    logits_there = np.column_stack([start, plane.logit(last, p.loads.direction)])
-    points = damped_newton(_closing(plane, p, chord / length[:, None]), logits_there, TOLERANCE)
+    plane, inner = _plane(p, estimate.force)
+    ends = _ends_from_inside(plane, inner, estimate, length)
+    points = damped_newton(_closing(plane, p, chord / length[:, None]), ends, TOLERANCE)
     start, end = points.x.T.copy()
     integrals = pode_integrals(start, end, plane.lines)
     integrals[:, :3] *= np.column_stack([plane.direction, -np.ones(p.size), -np.ones(p.size)])
@@ -208,6 +206,15 @@ def _in_plane(p: Parameters, vector: Array) -> np.ndarray:
     across = vector[:, 1] * p.loads.direction[:, 0] - vector[:, 0] * p.loads.direction[:, 1]
     known = (p.loads.magnitude > 0.0) & ((p.loads.normal_drag > 0.0) | (p.loads.tangential_drag == 0.0))
     return known & (p.loads.lateral_drag == 0.0) & (np.abs(across) <= IN_PLANE * np.linalg.norm(vector, axis=1))
+
+
+def _ends_from_inside(plane: Plane, inner: Array, estimate: InnerForce, length: Array) -> Array:
+    """u at A and B (scenario, 2) of lines known inside: near a singular angle a length says more of u than a force."""
+    per_length = plane.load / np.linalg.norm(estimate.force, axis=1)
+    forth = np.ones(length.size)
+    back = walk(inner, -plane.direction, plane.lines, LENGTH, forth, (estimate.at * per_length)[:, None])[0]
+    onward = walk(inner, plane.direction, plane.lines, LENGTH, forth, ((length - estimate.at) * per_length)[:, None])[0]
+    return np.hstack([back, onward])
 
 
 def _closing(plane: Plane, p: Parameters, chord: Array) -> System:

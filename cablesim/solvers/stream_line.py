@@ -39,7 +39,7 @@ ITERATES = True
 class IntegratedLine(SolvedLine):
     """Integrated both ways from the force (scenario, 3) at the arc length `at` from A."""
 
-    rtol: float
+    rtol: Array
     force: Array
     at: Array
     onward: March
@@ -104,8 +104,8 @@ def _to_depth(p: Parameters, options: Options) -> Solution:
 
 def _from_end(p: Parameters, options: Options, onward: March, length: Array, miss: Array) -> Solution:
     at = np.zeros(p.size)
-    back = march(p.pull, at, p.loads, options.rtol)
-    line = IntegratedLine(p.force_A, length, p.loads, options.nodes, options.rtol, p.pull, at, onward, back, miss)
+    back, rtol = march(p.pull, at, p.loads, options.rtol), np.full(p.size, options.rtol)
+    line = IntegratedLine(p.force_A, length, p.loads, options.nodes, rtol, p.pull, at, onward, back, miss)
     fates = np.array([Status.ok, Status.infeasible, Status.not_converged], dtype=np.int8)
     status = np.where(p.has_load, fates[onward.end], Status.out_of_domain).astype(np.int8)
     return Solution(status, line, np.ones(p.size, dtype=np.int32))
@@ -115,11 +115,11 @@ def _between_ends(p: Parameters, options: Options) -> Solution:
     status = p.fate_of_ends
     chord, length = p.feasible_ends
     found = force_between_ends(chord, length, p.loads, options.rtol)
-    onward = march(found.force, length - found.at, p.loads, options.rtol)
-    back = march(found.force, -found.at, p.loads, options.rtol)
+    onward = march(found.force, length - found.at, p.loads, found.rtol)
+    back = march(found.force, -found.at, p.loads, found.rtol)
     miss = np.linalg.norm(onward.position - back.position - p.position_B, axis=1)
     line = IntegratedLine(
-        back.force, length, p.loads, options.nodes, options.rtol, found.force, found.at, onward, back, miss
+        back.force, length, p.loads, options.nodes, found.rtol, found.force, found.at, onward, back, miss
     )
     solved = found.converged & (onward.end == REACHED) & (back.end == REACHED)
     status = np.where((status == Status.ok) & ~solved, Status.not_converged, status).astype(np.int8)
