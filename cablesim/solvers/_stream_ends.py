@@ -24,6 +24,8 @@ SMALLEST_SLACK = 1e-6
 ACCURACY, SMALLEST_TOLERANCE = 0.1, 1e-13
 # A catenary with its ends nearer than this part of its length on one load line has no shape to start from.
 NARROWEST = 1e-3
+# Nearer than this it hangs straight down from its ends, folded where hardly this part of its load is left as tension.
+FOLDED, TRACE = 1e-12, 1e-16
 MOST_CONTINUATION_STEPS = 400
 SMALLEST_CONTINUATION_STEP = 1e-4
 LARGEST_CONTINUATION_STEP = 0.25
@@ -100,12 +102,15 @@ def catenary_start(chord: Array, length: Array, loads: StreamLoads, uniform: Arr
     sideways = np.where((span > 1e-9 * length)[:, None], across, _perpendicular(up, loads))
     sideways /= np.linalg.norm(sideways, axis=1)[:, None]
     level = np.sqrt(np.maximum(length**2 - rise**2, 1e-12 * length**2))
+    folded = span <= FOLDED * length
     span = np.minimum(np.maximum(span, NARROWEST * length), level * (1.0 - 1e-12))
     half_angle = inverse_sinhc_excess(level / span - 1.0)
     parameter = span / (2.0 * half_angle)
     slope = np.sinh(np.arctanh(np.clip(rise / length, -1.0 + 1e-12, 1.0 - 1e-12)) - half_angle)
     at = np.clip(-parameter * slope, 0.0, length)
     force = weight[:, None] * (parameter[:, None] * sideways + (parameter * slope + at)[:, None] * up)
+    at = np.where(folded, 0.5 * (length - rise), at)
+    force[folded] = TRACE * (weight * length)[folded, None] * up[folded]
     return Anchor(force, at)
 
 
