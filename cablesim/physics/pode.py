@@ -9,8 +9,8 @@ regular from the neutral line (a_c = 0) to still water (a_c = pi/2). Beyond pi t
 the direction of the line reversed. All lines have their angles between a_c and pi + a_c, where a falls along the line,
 or are such lines walked from their other end. Friction changes its sign at pi/2.
 
-The angle is carried as u = log((a - a_c) / (pi + a_c - a)): the distances to both singular angles then keep all their
-digits, and every integrand is smooth on a scale of one.
+The angle is carried as u = log(tan((a - a_c) / 2)): the distances to both singular angles, a_c and pi + a_c, then keep
+all their digits, sines and cosines are algebraic in exp(u), and every integrand is smooth on a scale of one.
 """
 
 import numpy as np
@@ -20,75 +20,85 @@ from cablesim.physics.stream import CONSTANT, COSINE_SQUARED, ZERO
 
 # pi as a float and what the float leaves out.
 PI, PI_TAIL = np.pi, 1.2246467991473532e-16
-
-
 # What a line's angles and tensions need to know of it, packed by `pack`.
-CRITICAL, FRICTION, LAW, COSINE, SINE, HALF, SCALE, U_RIGHT, U_STRAIGHT, BEFORE, BEYOND, WIDTH = range(12)
+CRITICAL, FRICTION, LAW, COSINE, SINE, HALF_COSINE, HALF_SINE, SCALE, U_RIGHT, U_STRAIGHT, BEFORE, BEYOND, WIDTH = (
+    range(13)
+)
 
 
 @compiled
-def pack(critical, friction, law, line):  # type: ignore[no-untyped-def]
+def pack(critical, tail, friction, law, line):  # type: ignore[no-untyped-def]
     """Critical angle, friction ratio and law of a line, and what follows from them alone, into `line` of size WIDTH.
+
+    `tail` is what the float leaves out of the critical angle.
 
     BEFORE and BEYOND are what joins the antiderivatives of the tension at pi/2, where friction changes its sign, and at
     pi; U_RIGHT and U_STRAIGHT are u there.
     """
     line[CRITICAL], line[FRICTION], line[LAW] = critical, friction, law
-    line[COSINE], line[SINE], line[HALF] = np.cos(critical), np.sin(critical), np.sin(0.5 * critical)
+    line[COSINE], line[SINE] = np.cos(critical) - tail * np.sin(critical), np.sin(critical)
+    line[HALF_COSINE], line[HALF_SINE] = np.cos(0.5 * critical), np.sin(0.5 * critical)
     line[SCALE] = 1.0 / (1.0 + line[COSINE] ** 2)
-    right = 0.5 * PI - critical
-    line[U_RIGHT] = np.log(right / (0.5 * PI + critical)) if right > 0.0 else -np.inf
-    line[U_STRAIGHT] = np.log((PI - critical) / critical) if critical > 0.0 else np.inf
-    line[BEFORE] = 0.0
+    right = 0.5 * PI - critical + (0.5 * PI_TAIL - tail)
+    line[U_RIGHT] = np.log(np.tan(0.5 * right)) if right > 0.0 else -np.inf
+    line[U_STRAIGHT] = -np.log(np.tan(0.5 * critical)) if critical > 0.0 else np.inf
+    line[BEFORE], line[BEYOND] = 0.0, 0.0
     if right > 0.0:
-        line[BEFORE] = log_tension(0.5 * PI, right, 1.0, line) - log_tension(0.5 * PI, right, -1.0, line)
-    line[BEYOND] = 0.0
+        first, second = np.sin(0.25 * PI + 0.5 * critical), np.sin(0.5 * right)
+        upright = np.sqrt(0.5)
+        before = log_tension(0.5 * PI, upright, upright, first, second, 1.0, line)
+        line[BEFORE] = before - log_tension(0.5 * PI, upright, upright, first, second, -1.0, line)
     if critical > 0.0:
-        straight = log_tension(PI, PI - critical, -1.0, line) + line[BEFORE]
-        line[BEYOND] = straight - log_tension(0.0, critical, 1.0, line)
+        straight = log_tension(PI, 1.0, 0.0, line[HALF_COSINE], line[HALF_COSINE], -1.0, line)
+        turned = log_tension(0.0, 0.0, 1.0, line[HALF_SINE], line[HALF_SINE], 1.0, line)
+        line[BEYOND] = straight + line[BEFORE] - turned
 
 
 @compiled
-def logit_of_angle(angle, critical):  # type: ignore[no-untyped-def]
+def logit_of_angle(angle, critical, tail):  # type: ignore[no-untyped-def]
     """u of an angle; NaN at the singular angles and beyond them."""
-    low = angle - critical
+    low = angle - critical - tail
     # Differences of near numbers are exact: those of angle and pi above pi/2, those of angle and a_c below it.
-    high = (critical - (angle - PI)) + PI_TAIL if angle > 0.5 * PI else (PI - low) + PI_TAIL
-    return np.log(low / high) if low > 0.0 and high > 0.0 else np.nan
+    high = (critical - (angle - PI)) + (PI_TAIL + tail) if angle > 0.5 * PI else (PI - low) + PI_TAIL
+    if not (low > 0.0 and high > 0.0):
+        return np.nan
+    return np.log(np.tan(0.5 * low)) if low < high else -np.log(np.tan(0.5 * high))
 
 
 @compiled
 def angle_of_logit(u, critical):  # type: ignore[no-untyped-def]
-    """Angle of u, and its distances to the lower and the upper singular angle, each to its last digit."""
-    power = np.exp(-abs(u))
-    near, far = PI * power / (1.0 + power), PI / (1.0 + power)
-    low, high = (near, far) if u < 0.0 else (far, near)
-    return critical + low, low, high
+    """Angle of u."""
+    return critical + 2.0 * np.arctan(np.exp(u)) if u < 0.0 else critical + (PI - 2.0 * np.arctan(np.exp(-u)))
 
 
 @compiled
-def resistance(x, distance, line):  # type: ignore[no-untyped-def]
-    """|E| at an angle x of the first two quadrants; `distance` is |x - a_c|."""
-    across = np.sin(0.5 * (x + line[CRITICAL])) * np.sin(0.5 * distance)
-    return 4.0 * across * (line[HALF] ** 2 + line[COSINE] * np.cos(0.5 * x) ** 2)
+def half_angles(u, line):  # type: ignore[no-untyped-def]
+    """Sines and cosines at u: of (a - a_c) / 2 and of a / 2."""
+    tangent = np.exp(u)
+    cosine = 1.0 / np.sqrt(1.0 + tangent * tangent)
+    sine = tangent * cosine
+    half_sine = sine * line[HALF_COSINE] + cosine * line[HALF_SINE]
+    half_cosine = cosine * line[HALF_COSINE] - sine * line[HALF_SINE]
+    return sine, cosine, half_sine, half_cosine
 
 
 @compiled
-def log_tension(x, distance, side, line):  # type: ignore[no-untyped-def]
+def log_tension(x, half_sine, half_cosine, first, second, side, line):  # type: ignore[no-untyped-def]
     """Antiderivative of (side f_law c_1 + sin(a_c)^2 sin(x)) / E(x): the logarithm of the tension, in closed form.
 
-    With J1 = int dx / (cos x - c_1) and K2 = int dx / (1 + c_1 cos x) all three laws are sums of J1, K2 and logarithms.
+    x is an angle of the first two quadrants, or of the third less pi, with sine and cosine of x / 2 and the sines
+    `first` of (x + a_c) / 2 and `second` of |x - a_c| / 2. With J1 = int dx / (cos x - c_1) and
+    K2 = int dx / (1 + c_1 cos x) all three laws are sums of J1, K2 and logarithms.
     """
-    critical, c_1, sine, half = line[CRITICAL], line[COSINE], line[SINE], line[HALF]
-    half_sine, half_cosine, half_distance = np.sin(0.5 * x), np.cos(0.5 * x), np.sin(0.5 * distance)
-    ratio = np.sin(0.5 * (x + critical)) * half_distance / (half * half + c_1 * half_cosine * half_cosine)
+    c_1, sine, half = line[COSINE], line[SINE], line[HALF_SINE]
+    ratio = first * second / (half * half + c_1 * half_cosine * half_cosine)
     weight = -sine * sine * line[SCALE] * np.log(ratio) if sine > 0.0 else 0.0
     if line[LAW] == ZERO or line[FRICTION] == 0.0:
         return weight
-    if critical > 0.0:
-        growth = half_cosine * half if x > critical else np.cos(0.5 * critical) * half_sine
-        j_1 = np.log1p(2.0 * growth / half_distance) / sine
-        k_2 = 2.0 * np.arctan2(half * half_sine, np.cos(0.5 * critical) * half_cosine) / sine
+    if sine > 0.0:
+        growth = half_cosine * half if x > line[CRITICAL] else line[HALF_COSINE] * half_sine
+        j_1 = np.log1p(2.0 * growth / second) / sine
+        k_2 = 2.0 * np.arctan2(half * half_sine, line[HALF_COSINE] * half_cosine) / sine
     else:
         j_1, k_2 = half_cosine / half_sine, half_sine / half_cosine
     if line[LAW] == CONSTANT:
@@ -99,28 +109,46 @@ def log_tension(x, distance, side, line):  # type: ignore[no-untyped-def]
 @compiled
 def tension_logarithm(u, line):  # type: ignore[no-untyped-def]
     """log(T) at u up to a constant that is one for all angles."""
-    angle, low, high = angle_of_logit(u, line[CRITICAL])
+    return _tension_logarithm(u, *half_angles(u, line), line)
+
+
+@compiled
+def _tension_logarithm(u, sine, cosine, half_sine, half_cosine, line):  # type: ignore[no-untyped-def]
+    angle = angle_of_logit(u, line[CRITICAL]) if line[LAW] == COSINE_SQUARED else 0.5 * PI
     if u > line[U_STRAIGHT]:
-        return log_tension(line[CRITICAL] - high, high, 1.0, line) + line[BEYOND]
+        first = sine * line[SINE] - cosine * line[COSINE]
+        beta = angle - PI if line[LAW] == COSINE_SQUARED else 0.0
+        return log_tension(beta, -half_cosine, half_sine, first, cosine, 1.0, line) + line[BEYOND]
+    first = sine * line[COSINE] + cosine * line[SINE]
     if u >= line[U_RIGHT]:
-        return log_tension(angle, low, -1.0, line) + line[BEFORE]
-    return log_tension(angle, low, 1.0, line)
+        return log_tension(angle, half_sine, half_cosine, first, sine, -1.0, line) + line[BEFORE]
+    return log_tension(angle, half_sine, half_cosine, first, sine, 1.0, line)
+
+
+@compiled
+def _turn(u, sine, cosine, half_sine, half_cosine, line):  # type: ignore[no-untyped-def]
+    """|da/du / E|: arc length on a walk along u, in units of T / M."""
+    half = line[HALF_SINE]
+    if u > line[U_STRAIGHT]:
+        first = sine * line[SINE] - cosine * line[COSINE]
+        return 0.5 * sine / (first * (half * half + line[COSINE] * half_sine * half_sine))
+    first = sine * line[COSINE] + cosine * line[SINE]
+    return 0.5 * cosine / (first * (half * half + line[COSINE] * half_cosine * half_cosine))
 
 
 @compiled
 def tension_rate(u, line):  # type: ignore[no-untyped-def]
     """|d log(T) / du|: how steep the integrands are, which a light line with friction makes very steep near a = pi."""
-    angle, low, high = angle_of_logit(u, line[CRITICAL])
-    x, distance = (line[CRITICAL] - high, high) if u > line[U_STRAIGHT] else (angle, low)
-    cosine = np.cos(x)
+    sine, cosine, half_sine, half_cosine = half_angles(u, line)
+    across = half_cosine * half_cosine - half_sine * half_sine
     friction = 0.0
     if line[LAW] == CONSTANT:
         friction = line[FRICTION] * line[COSINE]
     elif line[LAW] == COSINE_SQUARED:
-        friction = line[FRICTION] * line[COSINE] * cosine * cosine
-    side = 1.0 if u > line[U_STRAIGHT] or u < line[U_RIGHT] else -1.0
-    pull = side * friction + line[SINE] ** 2 * np.sin(x)
-    return abs(pull) / resistance(x, distance, line) * low * high / PI
+        friction = line[FRICTION] * line[COSINE] * across * across
+    outside = u > line[U_STRAIGHT] or u < line[U_RIGHT]
+    pull = (friction if outside else -friction) + 2.0 * line[SINE] ** 2 * half_sine * abs(half_cosine)
+    return abs(pull) * _turn(u, sine, cosine, half_sine, half_cosine, line)
 
 
 @compiled
@@ -129,7 +157,8 @@ def slopes(u, line, reference):  # type: ignore[no-untyped-def]
 
     Positive length: along increasing u, that is along a line walked from B to A.
     """
-    angle, low, high = angle_of_logit(u, line[CRITICAL])
-    x, distance = (line[CRITICAL] - high, high) if u > line[U_STRAIGHT] else (angle, low)
-    length = np.exp(tension_logarithm(u, line) - reference) / resistance(x, distance, line) * low * high / PI
-    return length, length * np.cos(angle), length * np.sin(angle)
+    sine, cosine, half_sine, half_cosine = half_angles(u, line)
+    tension = np.exp(_tension_logarithm(u, sine, cosine, half_sine, half_cosine, line) - reference)
+    length = tension * _turn(u, sine, cosine, half_sine, half_cosine, line)
+    along, up = half_cosine * half_cosine - half_sine * half_sine, 2.0 * half_sine * half_cosine
+    return length, length * along, length * up

@@ -23,22 +23,22 @@ PANEL = 1.5
 STEEPEST = 5.0
 MOST_PANELS = 100_000
 # Beyond this the distance to a singular angle leaves the range of floats.
-LARGEST_LOGIT = 600.0
+LARGEST_LOGIT = 300.0
 NEWTON_STEPS = 60
 LENGTH, HORIZONTAL, VERTICAL, TENSION = range(4)
 
 
-def packed(critical: Array, friction: Array, laws: np.ndarray) -> Array:
-    """Many lines as `cablesim.physics.pode` reads them."""
+def packed(critical: Array, friction: Array, laws: np.ndarray, tail: Array | None = None) -> Array:
+    """Many lines as `cablesim.physics.pode` reads them; `tail` is what floats leave out of the critical angles."""
     lines = np.empty((critical.size, WIDTH))
-    _pack_all(critical, friction, laws, lines)
+    _pack_all(critical, np.zeros_like(critical) if tail is None else tail, friction, laws, lines)
     return lines
 
 
-def logits(angle: Array, critical: Array) -> Array:
+def logits(angle: Array, critical: Array, tail: Array | None = None) -> Array:
     """u of many angles; NaN outside the domain."""
     u = np.empty(angle.size)
-    _logits(angle, critical, u)
+    _logits(angle, critical, np.zeros_like(critical) if tail is None else tail, u)
     return u
 
 
@@ -80,21 +80,21 @@ def walk(start: Array, direction: Array, lines: Array, which: int, sign: Array, 
 
 
 @compiled
-def _pack_all(critical, friction, laws, lines):  # type: ignore[no-untyped-def]
+def _pack_all(critical, tail, friction, laws, lines):  # type: ignore[no-untyped-def]
     for i in range(critical.size):
-        pack(critical[i], friction[i], laws[i], lines[i])
+        pack(critical[i], tail[i], friction[i], laws[i], lines[i])
 
 
 @compiled
-def _logits(angle, critical, u):  # type: ignore[no-untyped-def]
+def _logits(angle, critical, tail, u):  # type: ignore[no-untyped-def]
     for i in range(angle.size):
-        u[i] = logit_of_angle(angle[i], critical[i])
+        u[i] = logit_of_angle(angle[i], critical[i], tail[i])
 
 
 @compiled
 def _angles(u, lines, found):  # type: ignore[no-untyped-def]
     for i in range(u.size):
-        found[i] = angle_of_logit(u[i], lines[i, CRITICAL])[0]
+        found[i] = angle_of_logit(u[i], lines[i, CRITICAL])
 
 
 @compiled

@@ -132,12 +132,13 @@ class Options(Nodes):
 
 
 @dataclass(frozen=True)
-class SolvedEnds(ABC):
+class SolvedLine(ABC):
     """Lines solved by any method, arrays of one entry per scenario; each quantity is computed when it is asked for."""
 
     force_A: Array
     line_length: Array
     loads: StreamLoads
+    nodes: int
 
     @property
     @abstractmethod
@@ -160,18 +161,6 @@ class SolvedEnds(ABC):
     def angle_B(self) -> Array:
         return self._angle(self.force_B)
 
-    def _angle(self, force: Array) -> Array:
-        """Angle of a tangent above the direction of tow, in the vertical plane along the stream, from 0 to 2 pi."""
-        against = -np.einsum("ij,ij->i", force[:, :2], self.loads.direction)
-        return np.arctan2(force[:, 2], against) % (2.0 * np.pi)
-
-
-@dataclass(frozen=True)
-class SolvedLine(SolvedEnds):
-    """Lines that are known all along."""
-
-    nodes: int
-
     @property
     @abstractmethod
     def shape(self) -> tuple[Array, Array]:
@@ -184,3 +173,8 @@ class SolvedLine(SolvedEnds):
     @property
     def profile_tension(self) -> Array:
         return self.shape[1]
+
+    def _angle(self, force: Array) -> Array:
+        """Angle of a tangent above the direction of tow, in the vertical plane along the stream, from 0 to 2 pi."""
+        against = -np.einsum("ij,ij->i", force[:, :2], self.loads.direction)
+        return np.arctan2(force[:, 2], against) % (2.0 * np.pi)

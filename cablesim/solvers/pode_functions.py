@@ -20,6 +20,7 @@ import numpy as np
 
 from cablesim.numerics import Array
 from cablesim.parameters import Batch, NoOptions, parameter
+from cablesim.physics.pode import PI_TAIL
 from cablesim.physics.stream import FRICTION_LAWS, critical_angle
 from cablesim.solver import Solution
 from cablesim.solvers._pode_march import HORIZONTAL, LENGTH, TENSION, VERTICAL, logits, packed, pode_integrals
@@ -67,10 +68,21 @@ class Functions:
 
 
 def solve(p: Parameters, options: NoOptions) -> Solution:
-    given = p.critical_angle if p.critical_angle is not None else critical_angle(p.weight_ratio, np.ones(p.size))
-    start, end = logits(p.reference_angle, given), logits(p.angle, given)
+    critical, tail, cosine = _critical(p)
+    start, end = logits(p.reference_angle, critical, tail), logits(p.angle, critical, tail)
     inside = np.isfinite(start) & np.isfinite(end)
     start, end = np.where(inside, start, 0.0), np.where(inside, end, 0.0)
-    integrals = pode_integrals(start, end, packed(given, p.friction_ratio, p.friction_law))
+    integrals = pode_integrals(start, end, packed(critical, p.friction_ratio, p.friction_law, tail))
     status = np.where(inside, Status.ok, Status.out_of_domain).astype(np.int8)
-    return Solution(status, Functions(integrals, np.cos(given)))
+    return Solution(status, Functions(integrals, cosine))
+
+
+def _critical(p: Parameters) -> tuple[Array, Array, Array]:
+    """The critical angle, what its float leaves out, and its cosine, exact for any given weight ratio."""
+    if p.critical_angle is not None:
+        return p.critical_angle, np.zeros(p.size), np.cos(p.critical_angle)
+    half = 0.5 * p.weight_ratio
+    cosine = 1.0 / (np.hypot(1.0, half) + half)
+    angle = critical_angle(p.weight_ratio, np.ones(p.size))
+    tail = (0.5 * np.pi - angle) + 0.5 * PI_TAIL - np.arcsin(cosine)
+    return angle, np.where(cosine < np.sqrt(0.5), tail, 0.0), cosine

@@ -10,8 +10,8 @@ The table itself is exact here. The method knows only a B above A, in a stream, 
 Reference: Handbook on ropes and fishing gear (in Chinese), section 3-5, example 4.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from cablesim.physics.stream import critical_angle
 from cablesim.solver import Solution
 from cablesim.solvers._pode_march import HORIZONTAL, LENGTH, TENSION, VERTICAL, logits, packed, pode_integrals
 from cablesim.solvers._stream_line import LineBetweenEnds as Parameters
-from cablesim.solvers._stream_line import SolvedEnds
+from cablesim.solvers._stream_line import Nodes, SolvedLine
 from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
@@ -40,6 +40,8 @@ OUTPUTS = (
     "farthest_point",
     "line_length",
     "closing_error",
+    "profile",
+    "profile_tension",
 )
 SECONDS_PER_SCENARIO = 2e-3
 COMPILED = True
@@ -48,7 +50,7 @@ UPRIGHT = 1e-12
 
 
 @dataclass(frozen=True)
-class Options:
+class Options(Nodes):
     """Numerical options."""
 
     table_step: float = option(1.0, at_least=0.01, at_most=10.0, meaning="step of the table in degrees")
@@ -68,8 +70,11 @@ class Page(NamedTuple):
         return Page(np.asarray(angle), *[np.asarray(np.interp(angle, self.angle, column)) for column in self[1:]])
 
 
+NOTHING = Page(*np.full((5, 1), np.nan))
+
+
 @dataclass(frozen=True)
-class TableLine(SolvedEnds):
+class TableLine(SolvedLine):
     """Both ends, lowest and farthest point as read off the table; lengths in units of T_0 / K_n = `unit`."""
 
     unit: Array
@@ -77,6 +82,7 @@ class TableLine(SolvedEnds):
     ends: tuple[Page, Page]
     right_angle: Page
     height: Array
+    pages: list[Page | None]
 
     @property
     def position_B(self) -> Array:
@@ -107,6 +113,15 @@ class TableLine(SolvedEnds):
         length = self.unit * (self.ends[1].sigma - self.ends[0].sigma)
         return np.hypot(np.linalg.norm(self.position_B - target, axis=1), length - self.line_length)
 
+    @cached_property
+    def shape(self) -> tuple[Array, Array]:
+        """Nodes at equal steps of angle, as the table has them."""
+        angles = np.linspace(self.ends[0].angle, self.ends[1].angle, self.nodes, axis=1)
+        read = [NOTHING.at(row) if page is None else page.at(row) for page, row in zip(self.pages, angles, strict=True)]
+        points = Page(*(np.array(column) for column in zip(*read, strict=True)))
+        along = [self._position(Page(*(column[:, i] for column in points))) for i in range(self.nodes)]
+        return np.stack(along, axis=1), (self.normal_drag * self.unit)[:, None] * points.tau
+
     def force_of(self, end: Page) -> Array:
         """Force vector at an end."""
         tension, angle = self.normal_drag * self.unit * end.tau, np.radians(end.angle)
@@ -119,19 +134,24 @@ class TableLine(SolvedEnds):
 
 def solve(p: Parameters, options: Options) -> Solution:
     usable = _usable(p)
-    ends = [_read_ends(page, ratio) for page, ratio in _pages(p, options.table_step, usable)]
-    first, last, right = (Page(*np.array([found[k] for found in ends]).T) for k in range(3))
+    pages = _pages(p, options.table_step, usable)
+    ends = [
+        _read_ends(page, z / length) for page, z, length in zip(pages, p.position_B[:, 2], p.line_length, strict=True)
+    ]
+    first, last, right = (Page(*np.array([np.ravel(found[k]) for found in ends]).T) for k in range(3))
     with np.errstate(all="ignore"):
         unit = p.position_B[:, 2] / (last.eta - first.eta)
     line = TableLine(
         np.zeros((p.size, 3)),
         p.line_length,
         p.loads,
+        options.nodes,
         unit,
         p.loads.normal_drag,
         (first, last),
         right,
         p.position_B[:, 2],
+        pages,
     )
     line = replace(line, force_A=line.force_of(first))
     found = np.where(np.isfinite(unit), Status.ok, Status.not_converged)
@@ -148,14 +168,12 @@ def _usable(p: Parameters) -> np.ndarray:
     return upright & in_stream & (p.position_B[:, 2] > 0.0) & (p.fate_of_ends == Status.ok)
 
 
-def _pages(p: Parameters, step: float, usable: np.ndarray) -> Iterator[tuple[Page | None, float]]:
-    """The page of the table for each line, and the ratio of height to length; no page where it is of no use."""
+def _pages(p: Parameters, step: float, usable: np.ndarray) -> list[Page | None]:
+    """The page of the table for each line; none where it is of no use."""
     drag = np.where(usable, p.loads.normal_drag, 1.0)
     critical = critical_angle(np.where(usable, p.weight_per_length, 1.0), drag)
     lines = packed(critical, p.loads.tangential_drag / drag, p.friction_law)
-    for i in range(p.size):
-        ratio = float(p.position_B[i, 2] / p.line_length[i])
-        yield (_page(critical[i], lines[i], step) if usable[i] else None), ratio
+    return [_page(critical[i], lines[i], step) if usable[i] else None for i in range(p.size)]
 
 
 def _page(critical: float, line: Array, step: float) -> Page:
@@ -187,6 +205,3 @@ def _read_ends(page: Page | None, ratio: float) -> tuple[Page, Page, Page]:
         for side in (at_first, trials)
     )
     return first, last, page.at(90.0)
-
-
-NOTHING = Page(*np.full(5, np.nan))
