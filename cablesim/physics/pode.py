@@ -74,9 +74,9 @@ def angle_of_logit(u, critical):  # type: ignore[no-untyped-def]
 @compiled
 def half_angles(u, line):  # type: ignore[no-untyped-def]
     """Sines and cosines at u: of (a - a_c) / 2 and of a / 2."""
-    tangent = np.exp(u)
-    cosine = 1.0 / np.sqrt(1.0 + tangent * tangent)
-    sine = tangent * cosine
+    power = np.exp(-abs(u))
+    greater = 1.0 / np.sqrt(1.0 + power * power)
+    sine, cosine = (power * greater, greater) if u < 0.0 else (greater, power * greater)
     half_sine = sine * line[HALF_COSINE] + cosine * line[HALF_SINE]
     half_cosine = cosine * line[HALF_COSINE] - sine * line[HALF_SINE]
     return sine, cosine, half_sine, half_cosine

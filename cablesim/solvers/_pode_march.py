@@ -23,7 +23,7 @@ PANEL = 1.5
 STEEPEST = 5.0
 MOST_PANELS = 100_000
 # Beyond this the distance to a singular angle leaves the range of floats.
-LARGEST_LOGIT = 300.0
+LARGEST_LOGIT = 600.0
 NEWTON_STEPS = 60
 LENGTH, HORIZONTAL, VERTICAL, TENSION = range(4)
 
