@@ -22,12 +22,12 @@ COARSE, CLOSE_ENOUGH = 1e-5, 1e-3
 SMALLEST_SLACK = 1e-6
 # The tolerance of a step in units of the accuracy asked for, which many steps have to keep; and the least that helps.
 ACCURACY, SMALLEST_TOLERANCE = 0.1, 1e-13
-# A catenary with its ends nearer than this part of its length on one load line has no shape to start from.
+# A catenary with its ends nearer to one load line than this part of its slack has no shape to start from.
 NARROWEST = 1e-3
 # Nearer than this it hangs straight down from its ends, folded where hardly this part of its load is left as tension.
 FOLDED, TRACE = 1e-12, 1e-16
-MOST_CONTINUATION_STEPS = 400
-SMALLEST_CONTINUATION_STEP = 1e-4
+MOST_CONTINUATION_STEPS = 120
+SMALLEST_CONTINUATION_STEP = 1e-3
 LARGEST_CONTINUATION_STEP = 0.25
 TAUT = 1.0 + 1e-3
 # Chord, length and loads of the lines `which` at a share of the way.
@@ -103,7 +103,7 @@ def catenary_start(chord: Array, length: Array, loads: StreamLoads, uniform: Arr
     sideways /= np.linalg.norm(sideways, axis=1)[:, None]
     level = np.sqrt(np.maximum(length**2 - rise**2, 1e-12 * length**2))
     folded = span <= FOLDED * length
-    span = np.minimum(np.maximum(span, NARROWEST * length), level * (1.0 - 1e-12))
+    span = np.minimum(np.maximum(span, NARROWEST * level), level * (1.0 - 1e-12))
     half_angle = inverse_sinhc_excess(level / span - 1.0)
     parameter = span / (2.0 * half_angle)
     slope = np.sinh(np.arctanh(np.clip(rise / length, -1.0 + 1e-12, 1.0 - 1e-12)) - half_angle)
