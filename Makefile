@@ -20,9 +20,12 @@ test: .venv/test  ## Formatting, types, import directions and all tests.
 bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/exact_catenary.py
 	$(BIN)/python benchmarks/workflow.py
+	$(BIN)/python benchmarks/stream_lines.py
+	$(BIN)/python benchmarks/two_point_check.py
 
-references: .venv/test  ## Recompute the 40-digit references of the tests.
+references: .venv/test  ## Recompute the high-precision references of the tests.
 	$(BIN)/python tests/reference/make_catenary_references.py
+	$(BIN)/python tests/reference/make_stream_references.py
 
 lock:  ## Resolve the dependencies anew (needs uv).
 	uv pip compile --quiet --universal --generate-hashes --no-header --extra build \
