@@ -98,7 +98,8 @@ def log_tension(x, half_sine, half_cosine, first, second, side, line):  # type: 
     if sine > 0.0:
         growth = half_cosine * half if x > line[CRITICAL] else line[HALF_COSINE] * half_sine
         j_1 = np.log1p(2.0 * growth / second) / sine
-        k_2 = 2.0 * np.arctan2(half * half_sine, line[HALF_COSINE] * half_cosine) / sine
+        # Rounding may turn the sign of the cosine at pi, where the quotient is infinite.
+        k_2 = 2.0 * np.arctan(half * half_sine / abs(line[HALF_COSINE] * half_cosine)) / sine
     else:
         j_1, k_2 = half_cosine / half_sine, half_sine / half_cosine
     if line[LAW] == CONSTANT:

@@ -4,7 +4,7 @@ import numpy as np
 
 from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
-from cablesim.numerics.quadrature import POINTS, WEIGHTS
+from cablesim.numerics.quadrature import FEW_POINTS, FEW_WEIGHTS, POINTS, WEIGHTS
 from cablesim.physics.pode import (
     CRITICAL,
     U_RIGHT,
@@ -19,6 +19,8 @@ from cablesim.physics.pode import (
 )
 
 PANEL = 1.5
+# A panel so narrow needs only the rule of fewer points.
+NARROW = 0.6
 # Over a panel the tension may change by this much of its logarithm; then sixteen points give it to 1e-14.
 STEEPEST = 5.0
 MOST_PANELS = 100_000
@@ -142,9 +144,10 @@ def _panel_end(here, end, direction, line):  # type: ignore[no-untyped-def]
 @compiled
 def _add_panel(here, there, line, reference, sums):  # type: ignore[no-untyped-def]
     width = there - here
-    for k in range(POINTS.size):
-        length, across, up = slopes(here + width * POINTS[k], line, reference)
-        weight = width * WEIGHTS[k]
+    points, weights = (FEW_POINTS, FEW_WEIGHTS) if abs(width) <= NARROW else (POINTS, WEIGHTS)
+    for k in range(points.size):
+        length, across, up = slopes(here + width * points[k], line, reference)
+        weight = width * weights[k]
         sums[LENGTH] += weight * length
         sums[HORIZONTAL] += weight * across
         sums[VERTICAL] += weight * up
