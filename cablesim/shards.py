@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from cablesim.config.scene import Method, Scene
+from cablesim.config.method import Method
+from cablesim.config.scene import Scene
 from cablesim.design import Axis
 from cablesim.quantities import COMPONENTS, quantity
 from cablesim.sources import source_digest

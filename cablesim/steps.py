@@ -44,6 +44,8 @@ def summarise(scene: Scene, layout: Layout) -> None:
     from cablesim.database.reading import read_dataset
     from cablesim.report import tables
     from cablesim.report.audit import audit_table
+    from cablesim.report.orders import order_table
+    from cablesim.report.printed import write_printed_tables
 
     dataset = read_dataset(layout.dataset(scene.name))
     made = {
@@ -54,10 +56,12 @@ def summarise(scene: Scene, layout: Layout) -> None:
             tables.status_table(dataset),
             f"{scene.title}: scenarios by their fate, and measured seconds for each",
         ),
+        "orders": (order_table(scene, dataset), f"{scene.title}: measured orders of the methods"),
         "audit": (audit_table(scene, dataset), f"{scene.title}: printed values beside ours"),
     }
     for name, (table, caption) in made.items():
         tables.write_table(layout.tables, f"{scene.name}_{name}", table, caption)
+    write_printed_tables(layout.tables, scene, dataset)
 
 
 def figures(scene: Scene, layout: Layout) -> None:

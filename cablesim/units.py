@@ -40,6 +40,12 @@ def to_si(value: Any, unit: str) -> float:
     return number
 
 
+def unit_of(value: Any) -> str:
+    """The unit that a value is written with."""
+    match = _VALUE.fullmatch(value) if isinstance(value, str) and len(value) <= 80 else None
+    return (match[2] or BARE) if match else BARE
+
+
 @cache
 def factor(given: str, unit: str) -> float:
     """What a value in the unit `given` is multiplied with to be in `unit`.

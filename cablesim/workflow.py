@@ -15,7 +15,7 @@ from cablesim.study import Layout, read_study
 # The modules that write the files of a step: editing them, or what they import, makes these files out of date.
 STEP_MODULES = {
     "collect": ("database/collect",),
-    "summarise": ("database/collect", "report/tables", "report/audit"),
+    "summarise": ("database/collect", "report/tables", "report/audit", "report/orders", "report/printed"),
     "figures": ("database/collect", "report/figures"),
 }
 STEP_PARTS = ("database", "report", "expressions", "units", "quantities", "status")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cablesim import units
 from cablesim.config.document import Node
 from cablesim.config.table import Table, read_table
 from cablesim.design import SCENARIO, Axis, Design
@@ -107,11 +108,18 @@ def _spaced(node: Node, spec: ParameterSpec) -> Array:
     num = keys["num"].whole(2, 100_000_000)
     start, stop, origin, logarithmic = _read_range(node, keys, spec)
     spaced = np.geomspace if logarithmic else np.linspace
-    values = origin + _rounded(spaced(start - origin, stop - origin, num))
+    scale = _scale(keys, spec)
+    values = origin + scale * _rounded(spaced((start - origin) / scale, (stop - origin) / scale, num))
     if "also" in keys:
         extra = np.array([entry.number(spec.unit) for entry in keys["also"].sequence()])
         values = np.unique(np.concatenate([values, extra]))
     return values
+
+
+def _scale(keys: dict[str, Node], spec: ParameterSpec) -> float:
+    """What the values are rounded in: the unit that start and stop are written in, so that 30 deg is 30 deg."""
+    written = {units.unit_of(keys[name].value) for name in ("start", "stop")}
+    return units.factor(written.pop(), spec.unit) if len(written) == 1 and units.BARE not in written else 1.0
 
 
 def _read_range(node: Node, keys: dict[str, Node], spec: ParameterSpec) -> tuple[float, float, float, bool]:

@@ -4,10 +4,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from cablesim.config.document import Node, is_name
+from cablesim.config.method import Method, find_series
+from cablesim.config.place_file import Wish, fixed_axes, place, read_point, read_wishes
 from cablesim.config.rehearsal import METHOD, Rehearsal
-from cablesim.config.table import Table
+from cablesim.config.table import Table, read_table
+from cablesim.quantities import VECTOR, quantity
 
-KINDS = ("curves", "map", "profiles", "audit")
+RUN_TIME = "run_time"
+VIEWS = ("xz", "xy", "yz")
 
 
 @dataclass(frozen=True)
@@ -20,37 +24,64 @@ class Figure:
 
 
 @dataclass(frozen=True)
+class Points:
+    """Points of a printed table: a formula for x, and one for each label."""
+
+    table: Table
+    x: str
+    y: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One scenario whose profile is drawn: how it is called, and its position on each axis."""
+
+    label: str
+    position: dict[str, int]
+
+
+@dataclass(frozen=True)
 class Stage:
-    """What figures are checked against: names of the scene, a table with points to draw, whether it is audited."""
+    """What figures are checked against: names, methods, reference method, printed points, and whether it is audited."""
 
     names: Rehearsal
+    methods: tuple[Method, ...]
+    reference: str | None
     points: Table | None
     audited: bool
 
 
 def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
     """The figures of a scene. Raises InputError naming file, line and key for what cannot be drawn."""
-    readers = {"curves": _read_curves, "map": _read_map, "profiles": _read_profiles, "audit": _read_audit}
+    readers = {
+        "curves": _read_curves,
+        "map": _read_map,
+        "profiles": _read_profiles,
+        "spatial": _read_spatial,
+        "convergence": _read_convergence,
+        "audit": _read_audit,
+    }
     figures = []
     for name, entry in node.mapping(optional=None).items():
         if not is_name(name):
             entry.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
-        kind = entry.mapping(("kind",), None)["kind"].choice(KINDS)
+        kind = entry.mapping(("kind",), None)["kind"].choice(tuple(readers))
         figures.append(Figure(name, kind, readers[kind](entry, stage)))
     return tuple(figures)
 
 
 def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
-    keys = node.mapping(("kind", "x", "y"), ("where", "points", "log", "x_label", "y_label", "each"))
+    keys = node.mapping(("kind", "x", "y"), ("where", "point", "points", "log", "x_label", "y_label", "each"))
     lines = keys["y"].mapping(optional=None) if isinstance(keys["y"].value, dict) else {"": keys["y"]}
     if not lines:
         keys["y"].fail("at least one formula is needed")
     each = keys["each"].choice(tuple(axis.name for axis in stage.names.design.axes)) if "each" in keys else None
+    position = fixed_axes(keys, stage.names)
     x, along_x = _number(keys["x"], stage)
     formulas = {}
     for name, entry in lines.items():
         formulas[name], along_y = _number(entry, stage)
-        along = sorted((along_x | along_y) - {each})
+        along = sorted((along_x | along_y) - {each, *position})
         if len(along) != 1:
             entry.fail(
                 f"a curve varies along one axis, not {' and '.join(along) or 'none'}: choose with each, or a method"
@@ -59,27 +90,33 @@ def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
         "x": x,
         "y": formulas,
         "each": each,
-        "points": _read_points(keys["points"], stage) if "points" in keys else {},
+        "position": position,
+        "points": _read_points(keys["points"], stage) if "points" in keys else None,
         "log": keys["log"].choice(("x", "y", "xy")) if "log" in keys else "",
         **_texts(keys, ("x_label", "y_label")),
         **_where(keys, stage),
     }
 
 
-def _read_points(node: Node, stage: Stage) -> dict[str, str]:
-    points = {name: entry.formula() for name, entry in node.mapping(("x",), None).items()}
-    if stage.points is None:
-        node.fail("points need a published table or a reference table")
-    for formula in points.values():
-        node.located(stage.points.evaluate, formula)
-    return points
+def _read_points(node: Node, stage: Stage) -> Points:
+    """Printed points: from a table of their own, else from the one that the scene is audited or measured against."""
+    entries = node.mapping(("x",), None)
+    table = read_table(entries.pop("table")) if "table" in entries else stage.points
+    if table is None:
+        node.fail("points need a table: here, or as the published or the reference table of the scene")
+    formulas = {name: entry.formula() for name, entry in entries.items()}
+    for formula in formulas.values():
+        node.located(table.evaluate, formula)
+    return Points(table, formulas.pop("x"), formulas)
 
 
 def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
-    keys = node.mapping(("kind", "x", "y", "value"), ("log", "label", "where"))
-    settings, along = {}, {}
+    keys = node.mapping(("kind", "x", "y", "value"), ("log", "label", "where", "point"))
+    settings: dict[str, Any] = {"position": fixed_axes(keys, stage.names)}
+    along = {}
     for name in ("x", "y", "value"):
-        settings[name], along[name] = _number(keys[name], stage)
+        settings[name], varies = _number(keys[name], stage)
+        along[name] = varies - set(settings["position"])
     for name in ("x", "y"):
         if len(along[name]) != 1:
             keys[name].fail("a side of a map varies along one axis")
@@ -94,27 +131,54 @@ def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
 
 
 def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
+    """Panels, one for each value of `at`; in each a curve for each value of `each` and for each method."""
+    keys = node.mapping(("kind",), ("at", "each", "point", "methods", "view", "points", "x_label", "y_label"))
+    panels = read_wishes(keys["at"], stage.names) if "at" in keys else [None]
+    return {
+        "panels": [(panel.words if panel else "", _shapes(node, keys, panel, stage)) for panel in panels],
+        "methods": _read_methods(keys, stage),
+        "view": keys["view"].choice(VIEWS) if "view" in keys else "xz",
+        "points": _read_points(keys["points"], stage) if "points" in keys else None,
+        **_texts(keys, ("x_label", "y_label")),
+    }
+
+
+def _read_spatial(node: Node, stage: Stage) -> dict[str, Any]:
+    keys = node.mapping(("kind",), ("each", "point", "methods"))
+    return {"shapes": _shapes(node, keys, None, stage), "methods": _read_methods(keys, stage)}
+
+
+def _shapes(node: Node, keys: dict[str, Node], panel: Wish | None, stage: Stage) -> list[Shape]:
+    """The scenarios that are drawn together."""
     if "profile" not in stage.names.outputs:
         node.fail("a figure of profiles needs the output 'profile'")
-    keys = node.mapping(("kind", "at"))
-    axes = stage.names.design.axes
-    if len(axes) != 1:
-        node.fail("a figure of profiles needs a scene with one axis")
-    entries = keys["at"].mapping(optional=None)
-    if len(entries) != 1:
-        keys["at"].fail("one parameter and its values are expected")
-    name, entry = next(iter(entries.items()))
-    if name not in axes[0].columns:
-        entry.fail(f"'{name}' does not vary in this scene")
-    return {"at": {name: [_read_point(item, name, stage) for item in entry.sequence()]}}
+    common = [*read_point(keys, stage.names), *([panel] if panel else [])]
+    if "each" not in keys:
+        return [Shape("", place(node, common, stage.names))]
+    wishes = read_wishes(keys["each"], stage.names)
+    return [Shape(wish.words, place(node, [*common, wish], stage.names)) for wish in wishes]
 
 
-def _read_point(node: Node, name: str, stage: Stage) -> float | str:
-    """A value of a varying parameter; a word must be one that occurs."""
-    spec = stage.names.parameters[name]
-    if not spec.words:
-        return node.number(spec.unit)
-    return node.choice(tuple(spec.restored(stage.names.design.axes[0].columns[name]).tolist()))
+def _read_methods(keys: dict[str, Node], stage: Stage) -> tuple[str, ...]:
+    if "methods" not in keys:
+        return stage.names.methods
+    return tuple(entry.choice(stage.names.methods) for entry in keys["methods"].sequence())
+
+
+def _read_convergence(node: Node, stage: Stage) -> dict[str, Any]:
+    """The error of an output, against the option that methods of the scene differ in, or against their run time."""
+    keys = node.mapping(("kind", "output", "against"), ("x_label", "y_label"))
+    if stage.reference is None:
+        node.fail("an error needs a method as the scene's reference")
+    outputs = tuple(name for name in stage.names.outputs if quantity(name).dims in ((), VECTOR))
+    options = tuple(dict.fromkeys(series.option for series in find_series(stage.methods, stage.reference)))
+    if not options:
+        node.fail("three methods or more that differ in one numerical option alone are needed")
+    return {
+        "output": keys["output"].choice(outputs),
+        "against": keys["against"].choice((*options, RUN_TIME)),
+        **_texts(keys, ("x_label", "y_label")),
+    }
 
 
 def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:

@@ -4,37 +4,25 @@ import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cablesim.config.design_file import Specs, check_values, read_design, read_values
 from cablesim.config.document import Node, is_name, read_document
 from cablesim.config.figure_file import Figure, Stage, read_figures
+from cablesim.config.layout_file import PrintedTable, read_printed_tables
+from cablesim.config.method import Method
 from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table, read_table
 from cablesim.design import Design
 from cablesim.errors import InputError, nearest
 from cablesim.quantities import component_names, quantity
-from cablesim.solver import Solver, load_solver
+from cablesim.solver import load_solver
 
+# What the cells of an audited table are called; the last one may be called otherwise.
+AGREES, ROUNDED_KEY, MISPRINT = "agrees", "rounded key", "misprint"
 # Words that have a meaning of their own in formulas.
 TAKEN = ("table", "method", "status", "and", "or", "not")
-
-
-@dataclass(frozen=True)
-class Method:
-    """A named solver with its options; `ignores` are the design's parameters that it has no use for."""
-
-    name: str
-    solver: Solver
-    options: dict[str, Any]
-    ignores: frozenset[str]
-
-    @property
-    def columns(self) -> set[str]:
-        """The parameters that it has, as designs hold them."""
-        return set(self.solver.columns)
 
 
 @dataclass(frozen=True)
@@ -42,13 +30,15 @@ class Published:
     """A printed table and how its columns follow from our outputs: a formula for each column that is to be audited.
 
     `within` is how many units in the last printed digit still count as agreement; `printed_to` gives the resolution of
-    columns that were printed in another form than the table has them (an angle in seconds of arc, say).
+    columns that were printed in another form than the table has them (an angle in seconds of arc, say). `off` is what a
+    cell is called that is off by more: a misprint, unless the scene knows better.
     """
 
     table: Table
     columns: dict[str, str]
     within: float
     printed_to: dict[str, float]
+    off: str
 
 
 @dataclass(frozen=True)
@@ -81,6 +71,7 @@ class Scene:
     outputs: tuple[str, ...]
     published: Published | None
     figures: tuple[Figure, ...]
+    printed: tuple[PrintedTable, ...]
     tables: tuple[Table, ...]
 
     @property
@@ -103,7 +94,7 @@ def read_scene(path: Path) -> Scene:
         raise InputError(f"{path}: a scene file is named like formula_error.yaml (letters, digits, underscores)")
     root = read_document(path)
     required = ("title", "design", "methods", "outputs")
-    keys = root.mapping(required, ("question", "fixed", "reference", "published", "figures"))
+    keys = root.mapping(required, ("question", "fixed", "reference", "published", "figures", "tables"))
     methods = _read_methods(keys["methods"])
     parameters = _parameters(keys["methods"], methods)
     design, tables = read_design(keys["design"], parameters)
@@ -115,9 +106,13 @@ def read_scene(path: Path) -> Scene:
     names = Rehearsal(design, fixed, parameters, tuple(method.name for method in methods), outputs)
     published = _read_published(keys["published"], names) if "published" in keys else None
     points = published.table if published else reference.table if reference else None
-    stage = Stage(names, points, audited=published is not None)
+    stage = Stage(names, methods, reference.method if reference else None, points, audited=published is not None)
     figures = read_figures(keys["figures"], stage) if "figures" in keys else ()
-    used = [*tables, *(item.table for item in (reference, published) if item is not None and item.table is not None)]
+    used = [
+        *tables,
+        *(item.table for item in (reference, published) if item is not None and item.table is not None),
+        *(figure.settings["points"].table for figure in figures if figure.settings.get("points")),
+    ]
     return Scene(
         name=path.stem,
         path=path,
@@ -131,6 +126,7 @@ def read_scene(path: Path) -> Scene:
         outputs=outputs,
         published=published,
         figures=figures,
+        printed=read_printed_tables(keys["tables"], names) if "tables" in keys else (),
         tables=tuple({table.path: table for table in used}.values()),
     )
 
@@ -222,7 +218,7 @@ def _read_reference(node: Node, methods: tuple[Method, ...], outputs: tuple[str,
 
 
 def _read_published(node: Node, names: Rehearsal) -> Published:
-    keys = node.mapping(("table", "columns"), ("within", "printed_to"))
+    keys = node.mapping(("table", "columns"), ("within", "printed_to", "off"))
     table = read_table(keys["table"])
     rehearsal = replace(names, table=table)
     columns = {}
@@ -237,7 +233,14 @@ def _read_published(node: Node, names: Rehearsal) -> Published:
     for name, entry in _entries(keys["printed_to"], table).items() if "printed_to" in keys else ():
         printed_to[name] = _not_negative(entry)
     _check_rows(keys["table"], table, names.design)
-    return Published(table, columns, _not_negative(keys["within"]) if "within" in keys else 0.5, printed_to)
+    within = _not_negative(keys["within"]) if "within" in keys else 0.5
+    return Published(table, columns, within, printed_to, _read_off(keys["off"]) if "off" in keys else MISPRINT)
+
+
+def _read_off(node: Node) -> str:
+    if node.value in (AGREES, ROUNDED_KEY):
+        node.fail(f"'{node.value}' is what other cells are called")
+    return node.text(40)
 
 
 def _entries(node: Node, table: Table) -> dict[str, Node]:

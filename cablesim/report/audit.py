@@ -2,7 +2,7 @@
 
 agrees        within the given number of units in the last printed digit
 rounded key   off, but just what follows from another column of the row: the printed argument was rounded too hard
-misprint      off, and not explained by the row's own argument
+misprint      off, and not explained by the row's own argument (or what else the scene calls that)
 
 A row may be read by several of its columns (its keys). The one that explains the most cells is the row's argument; the
 first key counts as it is printed, the others within the rounding of their last digit.
@@ -15,12 +15,11 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.config.design_file import ROUNDINGS, last_digit
-from cablesim.config.scene import Published, Scene
+from cablesim.config.scene import AGREES, ROUNDED_KEY, Published, Scene
 from cablesim.database.reading import evaluate
 from cablesim.errors import InputError
 from cablesim.numerics import Array
 
-AGREES, ROUNDED_KEY, MISPRINT = "agrees", "rounded key", "misprint"
 # Printed numbers are decimal, ours binary: a difference of exactly half a unit must not be decided by that.
 SLACK = 1.0 + 1e-9
 
@@ -57,7 +56,7 @@ def audit_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
     explained = np.stack([agrees, *(reading.explains(printed, room) for reading in readings[1:])])
     argument = explained.sum(axis=2).argmax(axis=0)
     follows = explained[argument, np.arange(table.rows)] & (argument > 0)[:, None]
-    flags = np.where(agrees, AGREES, np.where(follows, ROUNDED_KEY, MISPRINT))
+    flags = np.where(agrees, AGREES, np.where(follows, ROUNDED_KEY, published.off))
     if readings[0].key in columns:
         # The first key agrees with itself by definition; it is rounded where the row's real argument contradicts it.
         flags[(argument > 0) & ~follows[:, columns.index(readings[0].key)], columns.index(readings[0].key)] = (
@@ -85,7 +84,7 @@ def audit_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
 
 def _rounded(value: float, digits: int) -> float:
     """More digits than any printed table has, and fewer than a reader would have to skip."""
-    return float(f"{value:.{digits}g}")
+    return float(f"{value:.{digits}g}") + 0.0
 
 
 def _readings(published: Published, dataset: xr.Dataset) -> list[Reading]:

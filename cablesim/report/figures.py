@@ -1,57 +1,47 @@
 """Figures of a scene, as its file asks for them: curves, maps, profiles and the picture of an audit. SVG and PNG."""
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 
-from cablesim.config.figure_file import Figure
-from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, of_method, select, written
+from cablesim.config.figure_file import RUN_TIME, Figure
+from cablesim.config.scene import AGREES, MISPRINT, ROUNDED_KEY, Scene
+from cablesim.database.reading import evaluate, select
 from cablesim.errors import InputError
 from cablesim.files import written_whole
 from cablesim.quantities import QUANTITIES, component_names
-from cablesim.report.audit import AGREES, MISPRINT, ROUNDED_KEY, audit_table
+from cablesim.report.audit import audit_table
+from cablesim.report.drawing import DASHES, PALETTE, STYLE, draw_points, headline, legend, plain, value_in_words, word
+from cablesim.report.orders import convergences
+from cablesim.report.shapes import draw_profiles, draw_spatial
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
-
-# Okabe and Ito's palette: distinct for every kind of colour vision.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
-DASHES = ("-", "--", "-.", ":")
-STYLE: Any = {
-    "figure.figsize": (7.0, 4.5),
-    "figure.constrained_layout.use": True,
-    "axes.grid": True,
-    "grid.alpha": 0.3,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-    "font.size": 10,
-    # The same figure must be the same bytes: no random ids, no clock.
-    "svg.hashsalt": "cablesim",
-    "svg.fonttype": "path",
-}
-MOST_LEGEND_LINES = 8
 MOST_CELLS = 600
-FLAG_COLOURS = {AGREES: "#E8E8E8", ROUNDED_KEY: "#E69F00", MISPRINT: "#D55E00"}
+# Of cells that agree, that follow from a rounded key, that are off.
+FLAG_COLOURS = ("#E8E8E8", "#E69F00", "#D55E00")
 
 
 def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
     """Draw every figure of a scene. Raises InputError, naming the figure, where it cannot."""
-    drawers = {"curves": _curves, "map": _map, "profiles": _profiles, "audit": _audit}
+    drawers = {
+        "curves": _curves,
+        "map": _map,
+        "profiles": draw_profiles,
+        "spatial": draw_spatial,
+        "convergence": _convergence,
+        "audit": _audit,
+    }
     for figure in scene.figures:
         with plt.rc_context(STYLE):
             try:
                 drawn = drawers[figure.kind](scene, dataset, figure)
             except InputError as problem:
                 raise InputError(f"{scene.path}: figures.{figure.name}: {problem}") from None
+            headline(drawn, scene)
             _save(drawn, folder / f"{scene.name}_{figure.name}")
 
 
@@ -68,34 +58,30 @@ def _save(figure: Any, stem: Path) -> None:
 
 def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     settings = figure.settings
-    chosen = dataset if "where" not in settings else dataset.where(select(dataset, settings["where"]))
+    chosen = dataset.isel(settings["position"])
+    chosen = chosen.where(select(chosen, settings["where"])) if "where" in settings else chosen
     drawn, axes = plt.subplots()
     draw = _shaded_curves if settings["each"] else _coloured_curves
     draw(axes, chosen, settings)
-    _printed_points(scene, axes, settings["points"])
+    draw_points(axes, settings["points"])
     _scales(axes, settings["log"])
     formulas = list(settings["y"].values())
     axes.set(
-        title=_plain(scene.title),
-        xlabel=_plain(settings["x_label"]) if "x_label" in settings else _label(settings["x"]),
-        ylabel=_plain(settings["y_label"])
+        xlabel=plain(settings["x_label"]) if "x_label" in settings else _label(settings["x"]),
+        ylabel=plain(settings["y_label"])
         if "y_label" in settings
         else _label(formulas[0])
         if len(formulas) == 1
         else "",
     )
-    lines = len(axes.get_legend_handles_labels()[0])
-    if lines > MOST_LEGEND_LINES:
-        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    elif lines > 1:
-        axes.legend()
+    legend(axes)
     return drawn
 
 
 def _coloured_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
     """One curve for each formula, told apart by colour."""
     for number, (label, formula) in enumerate(settings["y"].items()):
-        axes.plot(*_points(dataset, settings["x"], formula), label=_plain(label), color=PALETTE[number % len(PALETTE)])
+        axes.plot(*_points(dataset, settings["x"], formula), label=plain(label), color=PALETTE[number % len(PALETTE)])
 
 
 def _shaded_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
@@ -106,15 +92,15 @@ def _shaded_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> 
         dashes = DASHES[number % len(DASHES)]
         for i, shade in enumerate(shades):
             part = dataset.isel({name: i})
-            value = f"{_word(name)} = {_point(part, name)}" if number == 0 else None
+            value = f"{word(name)} = {_point(part, name)}" if number == 0 else None
             axes.plot(*_points(part, settings["x"], formula), label=value, color=shade, linestyle=dashes)
         if len(settings["y"]) > 1:
-            axes.plot([], [], label=_plain(label), color="black", linestyle=dashes)
+            axes.plot([], [], label=plain(label), color="black", linestyle=dashes)
 
 
 def _point(part: xr.Dataset, axis: str) -> str:
     """A point of an axis in words: a number, a word, or the components of a vector."""
-    return ", ".join(written(part[name]) for name in component_names(axis))
+    return ", ".join(value_in_words(part[name]) for name in component_names(axis))
 
 
 def _points(dataset: xr.Dataset, x: str, y: str) -> tuple[np.ndarray, np.ndarray]:
@@ -122,18 +108,9 @@ def _points(dataset: xr.Dataset, x: str, y: str) -> tuple[np.ndarray, np.ndarray
     return along.values.ravel(), across.values.ravel()
 
 
-def _printed_points(scene: Scene, axes: Any, points: dict[str, str]) -> None:
-    table = scene.published.table if scene.published else scene.reference.table if scene.reference else None
-    if not points or table is None:
-        return
-    x = table.evaluate(points["x"])
-    for number, (label, formula) in enumerate((k, v) for k, v in points.items() if k != "x"):
-        colour = PALETTE[number % len(PALETTE)]
-        axes.plot(x, table.evaluate(formula), "o", color=colour, markerfacecolor="white", label=_plain(label))
-
-
 def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     settings = figure.settings
+    dataset = dataset.isel(settings["position"])
     value = evaluate(dataset, settings["value"])
     if "where" in settings:
         value = value.where(select(dataset, settings["where"]))
@@ -152,37 +129,34 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     shown = np.ma.masked_invalid(np.where(value.values > 0.0, value.values, np.nan) if logarithmic else value.values)
     axes.set_facecolor("#DDDDDD")
     mesh = axes.pcolormesh(x.values, y.values, shown, norm=norm, shading="nearest", cmap="viridis", rasterized=True)
-    drawn.colorbar(mesh, ax=axes, label=_plain(settings.get("label", settings["value"])))
+    drawn.colorbar(mesh, ax=axes, label=plain(settings.get("label", settings["value"])))
     _scales(axes, settings["log"].replace("value", "").strip())
     axes.grid(visible=False)
-    note = f"\ngrey: no solution ({missing} of {scenarios})" if missing and "where" not in settings else ""
-    axes.set(title=_plain(scene.title) + note, xlabel=_label(settings["x"]), ylabel=_label(settings["y"]))
+    note = f"grey: no solution ({missing} of {scenarios})" if missing and "where" not in settings else ""
+    axes.set(xlabel=_label(settings["x"]), ylabel=_label(settings["y"]))
+    axes.set_title(note, fontsize=9)
     return drawn
 
 
-def _profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
-    """The shape of every method at some values of one parameter, one panel each."""
-    panels = list(_profile_panels(dataset, figure.settings["at"]))
-    drawn, grid = plt.subplots(1, len(panels), figsize=(3.2 * len(panels) + 1, 3.0), sharey=True, squeeze=False)
-    for axes, (heading, panel) in zip(grid[0], panels, strict=True):
-        for number, method in enumerate(panel.method.values):
-            profile = of_method(panel.profile, method)
-            style = {"color": PALETTE[number % len(PALETTE)], "linestyle": DASHES[number % 4]}
-            axes.plot(profile.sel(component="x"), profile.sel(component="z"), label=str(method), **style)
-        axes.set(title=heading, xlabel="x [m]", aspect="equal")
-    grid[0][0].set_ylabel("z [m]")
-    grid[0][0].legend(loc="upper center")
-    drawn.suptitle(_plain(scene.title))
+def _convergence(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """Largest error of an output along each series of methods, against the option or the run time."""
+    settings = figure.settings
+    against, output = settings["against"], settings["output"]
+    drawn, axes = plt.subplots()
+    found = convergences(scene, dataset, output)
+    shown = {n: f for n, f in found.items() if against in (f.series.option, RUN_TIME)}
+    for number, (name, one) in enumerate(shown.items()):
+        x = one.run_times if against == RUN_TIME else np.array(one.series.values)
+        style: Any = {"color": PALETTE[number % len(PALETTE)], "linestyle": DASHES[number % len(DASHES)]}
+        axes.plot(x, one.errors, marker="o", label=f"{word(name)}: order {one.order:.2f}", **style)
+    _scales(axes, "xy")
+    label = QUANTITIES[RUN_TIME].label if against == RUN_TIME else word(against)
+    axes.set(
+        xlabel=plain(settings["x_label"]) if "x_label" in settings else label,
+        ylabel=plain(settings.get("y_label", f"largest relative error of {word(output)}")),
+    )
+    axes.legend()
     return drawn
-
-
-def _profile_panels(dataset: xr.Dataset, at: dict[str, list[float | str]]) -> Iterator[tuple[str, xr.Dataset]]:
-    """The scenarios at, or nearest to, the wanted values of the one parameter."""
-    name, values = next(iter(at.items()))
-    for value in values:
-        points = dataset[name].values
-        where = int((points == value).argmax() if isinstance(value, str) else np.abs(points - value).argmin())
-        yield f"{_word(name)} {written(dataset[name][where])}", dataset.isel({dataset[name].dims[0]: where})
 
 
 def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -190,13 +164,15 @@ def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     table = audit_table(scene, dataset)
     columns = list(dict.fromkeys(table["column"]))
     rows = sorted(set(table["row"]))
-    flags = list(FLAG_COLOURS)
+    off = scene.published.off if scene.published else MISPRINT
+    shades = dict(zip((AGREES, ROUNDED_KEY, off), FLAG_COLOURS, strict=True))
+    flags = list(shades)
     colours = np.full((len(rows), len(columns)), np.nan)
     drawn, axes = plt.subplots(figsize=(1.35 * len(columns) + 1.5, 0.24 * len(rows) + 1.6))
     for cell in table.to_dict("records"):
         i, j = rows.index(cell["row"]), columns.index(cell["column"])
         colours[i, j] = flags.index(cell["flag"])
-        wrong = cell["flag"] == MISPRINT
+        wrong = cell["flag"] == off
         exact = f"  ({cell['exact_at_argument']:.5g})" if wrong else ""
         axes.text(
             j,
@@ -207,19 +183,18 @@ def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
             fontsize=7,
             fontweight="bold" if wrong else "normal",
         )
-    palette = ListedColormap(list(FLAG_COLOURS.values()))
+    palette = ListedColormap(list(shades.values()))
     axes.imshow(np.ma.masked_invalid(colours), aspect="auto", cmap=palette, norm=BoundaryNorm(np.arange(-0.5, 3), 3))
-    axes.set_xticks(range(len(columns)), [_word(name) for name in columns], rotation=20, ha="left", fontsize=8)
+    axes.set_xticks(range(len(columns)), [word(name) for name in columns], rotation=20, ha="left", fontsize=8)
     axes.xaxis.tick_top()
     axes.set_yticks(range(len(rows)), [str(row) for row in rows], fontsize=7)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
     counts = table["flag"].value_counts()
-    handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in FLAG_COLOURS.values()]
-    labels = [f"{flag} ({counts.get(flag, 0)})" for flag in FLAG_COLOURS]
-    labels[flags.index(MISPRINT)] += ": printed (exact)"
+    handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in shades.values()]
+    labels = [f"{flag} ({counts.get(flag, 0)})" for flag in shades]
+    labels[flags.index(off)] += ": printed (exact)"
     drawn.legend(handles, labels, loc="outside lower center", ncols=3)
-    drawn.suptitle(_plain(scene.title))
     return drawn
 
 
@@ -234,13 +209,4 @@ def _scales(axes: Any, log: str) -> None:
 
 def _label(formula: str) -> str:
     """The label of a quantity where a formula is just its name; else the formula itself."""
-    return QUANTITIES[formula].label if formula in QUANTITIES else _plain(formula.replace("_", " "))
-
-
-def _plain(text: str) -> str:
-    """A user's text as it stands: a dollar sign starts no formula."""
-    return text.replace("$", r"\$")
-
-
-def _word(name: str) -> str:
-    return name.replace("_", " ")
+    return QUANTITIES[formula].label if formula in QUANTITIES else plain(formula.replace("_", " "))

@@ -108,8 +108,8 @@ def _reference_values(reference: Reference, dataset: xr.Dataset, output: str) ->
 
 
 def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
-    absolute = _magnitude(values - reference)
-    relative = absolute / _magnitude(reference)
+    absolute = magnitude(values - reference)
+    relative = absolute / magnitude(reference)
     found = absolute.values[np.isfinite(absolute.values)]
     found_relative = relative.values[np.isfinite(relative.values)]
     return {
@@ -120,7 +120,7 @@ def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
     }
 
 
-def _magnitude(values: xr.DataArray) -> xr.DataArray:
+def magnitude(values: xr.DataArray) -> xr.DataArray:
     """The absolute value of a number, the length of a vector."""
     if "component" not in values.dims:
         return abs(values)

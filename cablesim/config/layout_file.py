@@ -1,0 +1,147 @@
+"""The `tables` part of a scene file: printed tables, as a book or a ship's officer has them."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cablesim import units
+from cablesim.config.document import Node, is_name
+from cablesim.config.place_file import Wish, positions, read_point
+from cablesim.config.rehearsal import METHOD, Rehearsal
+from cablesim.design import Axis
+from cablesim.errors import nearest
+from cablesim.quantities import QUANTITIES, quantity
+
+DIGITS = 6
+MOST_DIGITS = 15
+
+
+@dataclass(frozen=True)
+class PrintedTable:
+    """A page for each point of `pages`, a line for each value of `rows`, a column for each formula.
+
+    Rows without an answer are left out, and those for which `where` does not hold.
+    With `across`, each column is repeated for every value of one more parameter. `position` fixes the axes of which the
+    table shows one point only; `units` are those that it is printed in, where they are not SI.
+    """
+
+    name: str
+    rows: str
+    columns: dict[str, str]
+    pages: tuple[str, ...]
+    across: str | None
+    digits: int
+    where: str | None = None
+    position: dict[str, int] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def heads(self) -> tuple[str, ...]:
+        """The parameters that name a cell."""
+        return (*self.pages, self.rows, *((self.across,) if self.across else ()))
+
+    def base_unit(self, head: str) -> str | None:
+        """The SI unit of a parameter, or of a column that is a quantity as it stands."""
+        meant = self.columns.get(head, head).rpartition(".")[2]
+        return quantity(meant).unit if meant in QUANTITIES else None
+
+    def unit(self, head: str) -> str:
+        """The unit in which it is printed; none for a plain number or a formula."""
+        unit = self.units.get(head, self.base_unit(head))
+        return "" if unit in (None, "1") else str(unit)
+
+
+def read_printed_tables(node: Node, names: Rehearsal) -> tuple[PrintedTable, ...]:
+    """The printed tables of a scene. Raises InputError naming file, line and key for what cannot be printed."""
+    tables = []
+    for name, entry in node.mapping(optional=None).items():
+        if not is_name(name):
+            entry.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
+        tables.append(_read_table(name, entry, names))
+    return tuple(tables)
+
+
+def _read_table(name: str, node: Node, names: Rehearsal) -> PrintedTable:
+    keys = node.mapping(("rows", "columns"), ("pages", "across", "point", "where", "digits", "units"))
+    varying = (METHOD, *(column for axis in names.design.axes for column in (axis.name, *axis.columns)))
+    pages = tuple(entry.choice(varying) for entry in keys["pages"].sequence()) if "pages" in keys else ()
+    across = keys["across"].choice(varying) if "across" in keys else None
+    table = PrintedTable(
+        name=name,
+        rows=keys["rows"].choice(varying),
+        columns=_read_columns(keys["columns"]),
+        pages=pages,
+        across=across,
+        digits=keys["digits"].whole(1, MOST_DIGITS) if "digits" in keys else DIGITS,
+        where=keys["where"].formula() if "where" in keys else None,
+    )
+    if len(set(table.heads)) < len(table.heads):
+        node.fail("a parameter is named twice among rows, pages and across")
+    _check_cells(keys, table, names)
+    return replace(
+        table,
+        position=_read_position(node, read_point(keys, names), table, names),
+        units=_read_units(keys["units"], table) if "units" in keys else {},
+    )
+
+
+def _read_columns(node: Node) -> dict[str, str]:
+    """A list of outputs, or a formula for each head."""
+    if isinstance(node.value, list):
+        entries = {entry.text(): entry for entry in node.sequence()}
+        if len(entries) < len(node.value):
+            node.fail("a column is listed twice")
+    else:
+        entries = node.mapping(optional=None)
+    if not entries:
+        node.fail("at least one column is needed")
+    return {head: entry.formula() for head, entry in entries.items()}
+
+
+def _check_cells(keys: dict[str, Node], table: PrintedTable, names: Rehearsal) -> None:
+    """Every formula must have one value for a cell."""
+    for formula in table.columns.values():
+        _check_dims(keys["columns"], keys["columns"].located(names.number, formula), table, names)
+    if table.where is not None:
+        _check_dims(keys["where"], keys["where"].located(names.condition, table.where), table, names)
+
+
+def _check_dims(node: Node, along: set[str], table: PrintedTable, names: Rehearsal) -> None:
+    if METHOD in along and len(names.methods) > 1 and METHOD not in table.heads:
+        node.fail("which method? choose one, as in method.output, or have a row for each")
+    for dim in along - {METHOD} - {axis.name for axis in names.design.axes}:
+        node.fail(f"a cell has one value, this has many along {dim}")
+
+
+def _read_position(node: Node, wishes: list[Wish], table: PrintedTable, names: Rehearsal) -> dict[str, int]:
+    """Where the axes stand that the table does not run along. Every cell must be one scenario."""
+    found = {}
+    for axis in names.design.axes:
+        shown = [head for head in table.heads if head == axis.name or head in axis.columns]
+        left = positions(wishes, axis)
+        if shown and left.size == axis.size:
+            _check_distinct(node, axis, shown)
+        elif left.size == 1 and not shown:
+            found[axis.name] = int(left[0])
+        else:
+            node.fail(f"{axis.name} must be among rows, pages and across, or have one value under point")
+    return found
+
+
+def _check_distinct(node: Node, axis: Axis, shown: list[str]) -> None:
+    if axis.name in shown:
+        return
+    points = np.column_stack([axis.columns[name] for name in shown])
+    if len(np.unique(points, axis=0)) < axis.size:
+        node.fail(f"several scenarios have the same {' and '.join(shown)}: name more parameters")
+
+
+def _read_units(node: Node, table: PrintedTable) -> dict[str, str]:
+    known = {head: unit for head in (*table.heads, *table.columns) if (unit := table.base_unit(head)) is not None}
+    chosen = {}
+    for name, entry in node.mapping(optional=None).items():
+        if name not in known:
+            entry.fail(f"nothing in this table is called '{name}' and has a unit: {nearest(name, known)}")
+        chosen[name] = entry.text()
+        entry.located(units.factor, chosen[name], known[name])
+    return chosen

@@ -1,0 +1,107 @@
+"""Pictures of the line itself: profiles in a plane, and a view in space."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+
+from cablesim.config.figure_file import Figure, Shape
+from cablesim.config.scene import Scene
+from cablesim.database.reading import of_method
+from cablesim.report.drawing import DASHES, PALETTE, draw_points, legend, plain
+
+# Width of a panel, in inches; thinnest side of the box around lines in space, beside the longest.
+PANEL = 3.2
+THINNEST = 0.6
+
+
+def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """Shapes of the line, in panels side by side."""
+    settings = figure.settings
+    panels, (across, up) = settings["panels"], settings["view"]
+    drawn, grid = plt.subplots(1, len(panels), sharey=len(panels) > 1, squeeze=False)
+    for axes, (heading, shapes) in zip(grid[0], panels, strict=True):
+        for profile, style in _shapes(dataset, shapes, settings["methods"]):
+            axes.plot(profile.sel(component=across), profile.sel(component=up), **style)
+        draw_points(axes, settings["points"])
+        axes.set(xlabel=plain(settings.get("x_label", f"{across} [m]")))
+        axes.set_title(heading, fontsize=10)
+        axes.set_aspect("equal", adjustable="datalim" if len(panels) == 1 else "box")
+    grid[0][0].set_ylabel(plain(settings.get("y_label", f"{up} [m]")))
+    if len(panels) == 1:
+        legend(grid[0][0])
+    else:
+        drawn.set_size_inches(PANEL * len(panels) + 1.0, _panel_height(grid[0]))
+        drawn.legend(*grid[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
+    return drawn
+
+
+def _panel_height(panels: Any) -> float:
+    """Height of a figure of panels of one scale, so that they fill it."""
+    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in panels]
+    width = max(right - left for (left, right), _ in limits)
+    height = max(top - bottom for _, (bottom, top) in limits)
+    return float(np.clip(PANEL * height / width, 1.0, 5.0)) + 1.6
+
+
+def _shapes(
+    dataset: xr.Dataset, shapes: list[Shape], methods: tuple[str, ...]
+) -> Iterator[tuple[xr.DataArray, dict[str, Any]]]:
+    """Profiles and how they are drawn: scenarios by colour, methods by dashes, and by colour where that is free."""
+    for i, shape in enumerate(shapes):
+        for j, method in enumerate(methods):
+            label = ", ".join([shape.label] * bool(shape.label) + [method] * (len(methods) > 1 or not shape.label))
+            colour = PALETTE[(i if len(shapes) > 1 else j) % len(PALETTE)]
+            style = {"label": plain(label), "color": colour, "linestyle": DASHES[j % len(DASHES)]}
+            yield of_method(dataset.profile.isel(shape.position), method), style
+
+
+def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """The line in space, with its shadow on the floor and the stream as arrows."""
+    drawn = plt.figure(figsize=(7.0, 5.5))
+    axes: Any = drawn.add_subplot(projection="3d", computed_zorder=False)
+    shapes = figure.settings["shapes"]
+    curves = list(_shapes(dataset, shapes, figure.settings["methods"]))
+    low, high = _box(np.concatenate([profile.values for profile, _ in curves]))
+    for profile, style in curves:
+        x, y, z = profile.transpose("component", "node").values
+        axes.plot(x, y, np.full_like(z, low[2]), color="#999999", linewidth=1.0, zorder=1)
+        for node in (0, -1):
+            axes.plot(x[[node] * 2], y[[node] * 2], [low[2], z[node]], color="#BBBBBB", linewidth=0.7, zorder=1)
+        axes.plot(x, y, z, zorder=3, **style)
+    _stream_arrows(axes, dataset, shapes, low, high)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set_box_aspect(high - low, zoom=1.1)
+    axes.locator_params(nbins=5)
+    drawn.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
+    return drawn
+
+
+def _box(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Limits around points, not too thin in any direction; around nothing, a unit box."""
+    finite = points[np.isfinite(points).all(axis=1)]
+    low, high = (finite.min(axis=0), finite.max(axis=0)) if finite.size else (np.zeros(3), np.ones(3))
+    side = np.maximum(high - low, THINNEST * max((high - low).max(), 1e-9))
+    middle = (low + high) / 2
+    return middle - 0.55 * side, middle + 0.55 * side
+
+
+def _stream_arrows(axes: Any, dataset: xr.Dataset, shapes: list[Shape], low: np.ndarray, high: np.ndarray) -> None:
+    """An arrow on the floor for each direction of the stream, in the colour of the line if there are several."""
+    turned = "heading" in dataset.coords
+    headings = [float(dataset.heading.isel(_own(dataset.heading, shape))) if turned else 0.0 for shape in shapes]
+    length = 0.2 * (high - low)[:2].min()
+    for number, heading in enumerate(dict.fromkeys(headings)):
+        colour = PALETTE[headings.index(heading) % len(PALETTE)] if len(set(headings)) > 1 else "black"
+        step = length * np.array([np.cos(heading), np.sin(heading)])
+        start = low[:2] + 0.2 * (high - low)[:2]
+        label = "stream" if number == 0 and len(set(headings)) == 1 else None
+        axes.quiver(*start, low[2], *step, 0.0, color=colour, linewidth=1.5, label=label, zorder=2)
+
+
+def _own(values: xr.DataArray, shape: Shape) -> dict[str, int]:
+    """The position of a shape on the axes that a coordinate has."""
+    return {axis: position for axis, position in shape.position.items() if axis in values.dims}
