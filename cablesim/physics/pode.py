@@ -27,7 +27,7 @@ CRITICAL, FRICTION, LAW, COSINE, SINE, HALF_COSINE, HALF_SINE, SCALE, U_RIGHT, U
 
 
 @compiled
-def pack(critical, tail, friction, law, line):  # type: ignore[no-untyped-def]
+def pack(critical, tail, friction, law, line):
     """Critical angle, friction ratio and law of a line, and what follows from them alone, into `line` of size WIDTH.
 
     `tail` is what the float leaves out of the critical angle.
@@ -55,7 +55,7 @@ def pack(critical, tail, friction, law, line):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def logit_of_angle(angle, critical, tail):  # type: ignore[no-untyped-def]
+def logit_of_angle(angle, critical, tail):
     """u of an angle; NaN at the singular angles and beyond them."""
     low = angle - critical - tail
     # Differences of near numbers are exact: those of angle and pi above pi/2, those of angle and a_c below it.
@@ -66,13 +66,13 @@ def logit_of_angle(angle, critical, tail):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def angle_of_logit(u, critical):  # type: ignore[no-untyped-def]
+def angle_of_logit(u, critical):
     """Angle of u."""
     return critical + 2.0 * np.arctan(np.exp(u)) if u < 0.0 else critical + (PI - 2.0 * np.arctan(np.exp(-u)))
 
 
 @compiled
-def half_angles(u, line):  # type: ignore[no-untyped-def]
+def half_angles(u, line):
     """Sines and cosines at u: of (a - a_c) / 2 and of a / 2."""
     power = np.exp(-abs(u))
     greater = 1.0 / np.sqrt(1.0 + power * power)
@@ -83,7 +83,7 @@ def half_angles(u, line):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def log_tension(x, half_sine, half_cosine, first, second, side, line):  # type: ignore[no-untyped-def]
+def log_tension(x, half_sine, half_cosine, first, second, side, line):
     """Antiderivative of (side f_law c_1 + sin(a_c)^2 sin(x)) / E(x): the logarithm of the tension, in closed form.
 
     x is an angle of the first two quadrants, or of the third less pi, with sine and cosine of x / 2 and the sines
@@ -108,13 +108,13 @@ def log_tension(x, half_sine, half_cosine, first, second, side, line):  # type: 
 
 
 @compiled
-def tension_logarithm(u, line):  # type: ignore[no-untyped-def]
+def tension_logarithm(u, line):
     """log(T) at u up to a constant that is one for all angles."""
     return _tension_logarithm(u, *half_angles(u, line), line)
 
 
 @compiled
-def _tension_logarithm(u, sine, cosine, half_sine, half_cosine, line):  # type: ignore[no-untyped-def]
+def _tension_logarithm(u, sine, cosine, half_sine, half_cosine, line):
     angle = angle_of_logit(u, line[CRITICAL]) if line[LAW] == COSINE_SQUARED else 0.5 * PI
     if u > line[U_STRAIGHT]:
         first = sine * line[SINE] - cosine * line[COSINE]
@@ -127,7 +127,7 @@ def _tension_logarithm(u, sine, cosine, half_sine, half_cosine, line):  # type: 
 
 
 @compiled
-def _turn(u, sine, cosine, half_sine, half_cosine, line):  # type: ignore[no-untyped-def]
+def _turn(u, sine, cosine, half_sine, half_cosine, line):
     """|da/du / E|: arc length on a walk along u, in units of T / M."""
     half = line[HALF_SINE]
     if u > line[U_STRAIGHT]:
@@ -138,7 +138,7 @@ def _turn(u, sine, cosine, half_sine, half_cosine, line):  # type: ignore[no-unt
 
 
 @compiled
-def tension_rate(u, line):  # type: ignore[no-untyped-def]
+def tension_rate(u, line):
     """|d log(T) / du|: how steep the integrands are, which a light line with friction makes very steep near a = pi."""
     sine, cosine, half_sine, half_cosine = half_angles(u, line)
     across = half_cosine * half_cosine - half_sine * half_sine
@@ -153,7 +153,7 @@ def tension_rate(u, line):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def slopes(u, line, reference):  # type: ignore[no-untyped-def]
+def slopes(u, line, reference):
     """d/du of length, horizontal and vertical distance in units of T_0 / M, with `reference` = log(T_0).
 
     Positive length: along increasing u, that is along a line walked from B to A.

@@ -113,7 +113,7 @@ def critical_angle(weight: Array, normal_drag: Array) -> Array:
 
 
 @compiled
-def _loads(tangents, packed, laws, loads):  # type: ignore[no-untyped-def]
+def _loads(tangents, packed, laws, loads):
     for i in range(tangents.shape[0]):
         t = tangents[i]
         c = t[0] * packed[i, EX] + t[1] * packed[i, EY]
@@ -121,7 +121,7 @@ def _loads(tangents, packed, laws, loads):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def load(tx, ty, tz, line, law, side, q):  # type: ignore[no-untyped-def]
+def load(tx, ty, tz, line, law, side, q):
     """q of a line of unit tangent t into `q`; `side` is the sign of c that the friction law is to take."""
     ex, ey = line[EX], line[EY]
     c = tx * ex + ty * ey
@@ -135,7 +135,7 @@ def load(tx, ty, tz, line, law, side, q):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def friction(c, law, side):  # type: ignore[no-untyped-def]
+def friction(c, law, side):
     """g(c) with the sign of c held at `side`, so that it is smooth on either side of a right angle."""
     if law == CONSTANT:
         return side
@@ -145,7 +145,7 @@ def friction(c, law, side):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def rates(y, dy, line, law, side, size):  # type: ignore[no-untyped-def]
+def rates(y, dy, line, law, side, size):
     """d/ds of the state `y` into `dy`: force and position, and with size FULL their derivatives by the first force."""
     fx, fy, fz = y[0], y[1], y[2]
     tension = np.sqrt(fx * fx + fy * fy + fz * fz)
@@ -158,7 +158,7 @@ def rates(y, dy, line, law, side, size):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _rates_of_derivatives(y, dy, tx, ty, tz, tension, line, law, side):  # type: ignore[no-untyped-def]
+def _rates_of_derivatives(y, dy, tx, ty, tz, tension, line, law, side):
     """Columns Phi = dF/dF_0 and R = dr/dF_0: Phi' = -(dq/dt) u, R' = u, with u = (1 - t t^T) Phi / T the turn of t."""
     ex, ey, kn = line[EX], line[EY], line[KN]
     c = tx * ex + ty * ey

@@ -82,31 +82,31 @@ def walk(start: Array, direction: Array, lines: Array, which: int, sign: Array, 
 
 
 @compiled
-def _pack_all(critical, tail, friction, laws, lines):  # type: ignore[no-untyped-def]
+def _pack_all(critical, tail, friction, laws, lines):
     for i in range(critical.size):
         pack(critical[i], tail[i], friction[i], laws[i], lines[i])
 
 
 @compiled
-def _logits(angle, critical, tail, u):  # type: ignore[no-untyped-def]
+def _logits(angle, critical, tail, u):
     for i in range(angle.size):
         u[i] = logit_of_angle(angle[i], critical[i], tail[i])
 
 
 @compiled
-def _angles(u, lines, found):  # type: ignore[no-untyped-def]
+def _angles(u, lines, found):
     for i in range(u.size):
         found[i] = angle_of_logit(u[i], lines[i, CRITICAL])
 
 
 @compiled
-def _end_slopes(u, start, lines, found):  # type: ignore[no-untyped-def]
+def _end_slopes(u, start, lines, found):
     for i in range(u.size):
         found[i, 0], found[i, 1], found[i, 2] = slopes(u[i], lines[i], tension_logarithm(start[i], lines[i]))
 
 
 @compiled
-def _integrals(start, end, lines, found):  # type: ignore[no-untyped-def]
+def _integrals(start, end, lines, found):
     for i in range(start.size):
         line, sums = lines[i], found[i]
         reference = tension_logarithm(start[i], line)
@@ -129,7 +129,7 @@ def _integrals(start, end, lines, found):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _panel_end(here, end, direction, line):  # type: ignore[no-untyped-def]
+def _panel_end(here, end, direction, line):
     """Where a panel that begins at `here` ends: after its length, at a corner or at the end of the integral."""
     there = here + direction * PANEL
     steepness = PANEL * max(tension_rate(here, line), tension_rate(there, line))
@@ -142,7 +142,7 @@ def _panel_end(here, end, direction, line):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _add_panel(here, there, line, reference, sums):  # type: ignore[no-untyped-def]
+def _add_panel(here, there, line, reference, sums):
     width = there - here
     points, weights = (FEW_POINTS, FEW_WEIGHTS) if abs(width) <= NARROW else (POINTS, WEIGHTS)
     for k in range(points.size):
@@ -154,7 +154,7 @@ def _add_panel(here, there, line, reference, sums):  # type: ignore[no-untyped-d
 
 
 @compiled
-def _walk_all(start, direction, lines, which, sign, target, u, found):  # type: ignore[no-untyped-def]
+def _walk_all(start, direction, lines, which, sign, target, u, found):
     sums, before, panel = np.empty(3), np.empty(3), np.empty(3)
     for i in range(start.size):
         line = lines[i]
@@ -169,9 +169,7 @@ def _walk_all(start, direction, lines, which, sign, target, u, found):  # type: 
 
 
 @compiled
-def _reach(  # type: ignore[no-untyped-def]
-    here, direction, line, reference, which, sign, target, sums, before, panel
-):
+def _reach(here, direction, line, reference, which, sign, target, sums, before, panel):
     """Walk on from `here`, adding to `sums`, until `sign * sums[which]` rises to the target; NaN if it never does."""
     if target == 0.0:
         return here
@@ -191,7 +189,7 @@ def _reach(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _walk(here, there, direction, line, reference, sums, panel):  # type: ignore[no-untyped-def]
+def _walk(here, there, direction, line, reference, sums, panel):
     """Add a panel: length counted along the walk, distances as the line itself goes in this direction.
 
     Walked towards smaller u the line points along its angle, towards larger u the other way.
@@ -204,9 +202,7 @@ def _walk(here, there, direction, line, reference, sums, panel):  # type: ignore
 
 
 @compiled
-def _within(  # type: ignore[no-untyped-def]
-    here, there, direction, line, reference, which, sign, target, before, sums, panel
-):
+def _within(here, there, direction, line, reference, which, sign, target, before, sums, panel):
     """Newton's method, kept within a panel over which the integral is monotone."""
     low, high = here, there
     x = here + (there - here) * (sign * target - before[which]) / (sums[which] - before[which])

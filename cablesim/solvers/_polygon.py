@@ -51,7 +51,7 @@ March = Callable[[Array, Array, StreamLoads, int], Joints]
 
 
 @compiled
-def note_joint(y, step, steps, line, before, peaks, profile, tensions):  # type: ignore[no-untyped-def]
+def note_joint(y, step, steps, line, before, peaks, profile, tensions):
     """Enter joint `step` of `steps`, of force and position `y`, into peaks and profile; `before` keeps the last joint.
 
     Nodes lie between joints on straight segments.

@@ -96,7 +96,7 @@ def trace(force: Array, at: Array, length: Array, loads: StreamLoads, rtol: Arra
 
 
 @compiled
-def _march_all(  # type: ignore[no-untyped-def]
+def _march_all(
     force, length, depth, packed, laws, rtol, size, force_end, position, covered, by_force, peaks, steps,
     slack_length, slack_force, end,
 ):  # fmt: skip
@@ -123,7 +123,7 @@ def _march_all(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _trace_all(force, at, length, packed, laws, rtol, positions, forces):  # type: ignore[no-untyped-def]
+def _trace_all(force, at, length, packed, laws, rtol, positions, forces):
     """Both ways from where the force is known; positions are counted from there."""
     nodes = positions.shape[1]
     for i in range(length.size):
@@ -133,7 +133,7 @@ def _trace_all(force, at, length, packed, laws, rtol, positions, forces):  # typ
 
 
 @compiled
-def _trace(force, at, length, line, law, rtol, first, stop, step, positions, forces):  # type: ignore[no-untyped-def]
+def _trace(force, at, length, line, law, rtol, first, stop, step, positions, forces):
     """The nodes from `first` up or down to before `stop`."""
     y, stages, trial = np.empty(PLAIN), np.empty((STAGES + 1, PLAIN)), np.empty(PLAIN)
     slackest, peaks = np.zeros(4), np.empty((PEAKS, 4))
@@ -148,7 +148,7 @@ def _trace(force, at, length, line, law, rtol, first, stop, step, positions, for
 
 
 @compiled
-def _start(y, force, size):  # type: ignore[no-untyped-def]
+def _start(y, force, size):
     y[:] = 0.0
     for k in range(3):
         y[k] = force[k]
@@ -157,7 +157,7 @@ def _start(y, force, size):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _sides(y, line, direction):  # type: ignore[no-untyped-def]
+def _sides(y, line, direction):
     """On which side of each corner the line starts; 0 where it has no such corner.
 
     F.e falls all along a line in a stream, F.z rises by its weight: that decides for a line that starts in a corner.
@@ -171,7 +171,7 @@ def _sides(y, line, direction):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _event(kind, y, line, depth):  # type: ignore[no-untyped-def]
+def _event(kind, y, line, depth):
     if kind == RIGHT_ANGLE:
         return y[0] * line[EX] + y[1] * line[EY]
     if kind == ALONG_STREAM:
@@ -180,12 +180,12 @@ def _event(kind, y, line, depth):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _tension(y):  # type: ignore[no-untyped-def]
+def _tension(y):
     return np.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2])
 
 
 @compiled
-def _step(y, h, line, law, side, size, stages, trial):  # type: ignore[no-untyped-def]
+def _step(y, h, line, law, side, size, stages, trial):
     """One step of size h from `y` into `trial`; `stages[0]` holds the slope at the start, the last that at the end."""
     for stage in range(1, STAGES + 1):
         for k in range(size):
@@ -201,7 +201,7 @@ def _step(y, h, line, law, side, size, stages, trial):  # type: ignore[no-untype
 
 
 @compiled
-def _error(y, h, stages, trial, rtol, length):  # type: ignore[no-untyped-def]
+def _error(y, h, stages, trial, rtol, length):
     """Estimated error of a step over what is allowed: of force relative to the least tension, of position to length."""
     allowed_force = rtol * min(_tension(y), _tension(trial))
     fifth, third = 0.0, 0.0
@@ -219,9 +219,7 @@ def _error(y, h, stages, trial, rtol, length):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _advance(  # type: ignore[no-untyped-def]
-    y, s_and_h, target, length, depth, line, law, sides, rtol, size, stages, trial, slackest, peaks
-):
+def _advance(y, s_and_h, target, length, depth, line, law, sides, rtol, size, stages, trial, slackest, peaks):
     """March `y` from s = s_and_h[0] to `target`. s_and_h also keeps the step size and where the tension was least.
 
     Returns why it ended and the steps taken. `slackest` keeps the least tension and its force, `peaks` what March says.
@@ -273,12 +271,12 @@ def _advance(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _slope(stages):  # type: ignore[no-untyped-def]
+def _slope(stages):
     return np.sqrt(stages[0, 0] ** 2 + stages[0, 1] ** 2 + stages[0, 2] ** 2)
 
 
 @compiled
-def _happens(kind, y, trial, line, depth, law, sides):  # type: ignore[no-untyped-def]
+def _happens(kind, y, trial, line, depth, law, sides):
     if kind == DEPTH:
         return y[5] < depth <= trial[5]
     if kind == RIGHT_ANGLE:
@@ -287,7 +285,7 @@ def _happens(kind, y, trial, line, depth, law, sides):  # type: ignore[no-untype
 
 
 @compiled
-def _cut(kind, y, h, line, law, depth, sides, size, stages, trial):  # type: ignore[no-untyped-def]
+def _cut(kind, y, h, line, law, depth, sides, size, stages, trial):
     """The part of a step that ends where an event happens (Illinois' false position); `trial` is left there."""
     low, high = 0.0, h
     at_low, at_high = _event(kind, y, line, depth), _event(kind, trial, line, depth)
@@ -308,7 +306,7 @@ def _cut(kind, y, h, line, law, depth, sides, size, stages, trial):  # type: ign
 
 
 @compiled
-def _turn_side(y, line, law, sides, size, stages):  # type: ignore[no-untyped-def]
+def _turn_side(y, line, law, sides, size, stages):
     """Beyond a right angle friction points the other way; derivatives by the first force jump with it (saltation)."""
     before = np.empty(3)
     for k in range(3):
@@ -326,7 +324,7 @@ def _turn_side(y, line, law, sides, size, stages):  # type: ignore[no-untyped-de
 
 
 @compiled
-def _note_peaks(y, h, line, law, side, stages, trial, peaks):  # type: ignore[no-untyped-def]
+def _note_peaks(y, h, line, law, side, stages, trial, peaks):
     """The peaks of a step: at its end, or inside where what is to be greatest rises at first and falls at the end."""
     keep_peaks(trial, line, peaks)
     for kind in range(PEAKS):
@@ -337,7 +335,7 @@ def _note_peaks(y, h, line, law, side, stages, trial, peaks):  # type: ignore[no
 
 
 @compiled
-def _climb(kind, y, h, line, law, side, stages, rise, fall, peaks):  # type: ignore[no-untyped-def]
+def _climb(kind, y, h, line, law, side, stages, rise, fall, peaks):
     """Find a peak inside a step by Illinois' false position.
 
     A peak is flat: its height says little of its place, so the place where the rise ends is taken unless it is lower.
@@ -361,7 +359,7 @@ def _climb(kind, y, h, line, law, side, stages, rise, fall, peaks):  # type: ign
 
 
 @compiled
-def _rise(kind, y, dy, line):  # type: ignore[no-untyped-def]
+def _rise(kind, y, dy, line):
     """d/ds, up to a positive factor, of what is to be greatest: tension, depth below the start, distance downstream."""
     if kind == TENSION_PEAK:
         return y[0] * dy[0] + y[1] * dy[1] + y[2] * dy[2]
@@ -371,14 +369,14 @@ def _rise(kind, y, dy, line):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _height(kind, y, line):  # type: ignore[no-untyped-def]
+def _height(kind, y, line):
     if kind == TENSION_PEAK:
         return _tension(y)
     return -y[5] if kind == LOWEST else y[3] * line[EX] + y[4] * line[EY]
 
 
 @compiled
-def keep_peaks(y, line, peaks):  # type: ignore[no-untyped-def]
+def keep_peaks(y, line, peaks):
     for kind in range(PEAKS):
         height = _height(kind, y, line)
         if height > peaks[kind, 0]:

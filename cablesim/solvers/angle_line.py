@@ -66,9 +66,7 @@ def solve(p: Parameters, options: Options) -> Solution:
 
 
 @compiled
-def _march_all(  # type: ignore[no-untyped-def]
-    force, length, packed, laws, segments, position_end, force_end, peaks, profile, tensions, broken
-):
+def _march_all(force, length, packed, laws, segments, position_end, force_end, peaks, profile, tensions, broken):
     y, trial, slopes = np.empty(6), np.empty(6), np.empty((4, 6))
     joint, before, q = np.empty(PLAIN), np.empty(PLAIN), np.empty(3)
     for i in range(length.size):
@@ -95,7 +93,7 @@ def _march_all(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _start(force, line, y):  # type: ignore[no-untyped-def]
+def _start(force, line, y):
     """The state at A; returns the sign that the third cosine is to keep."""
     tension = np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2)
     along = force[0] * line[EX] + force[1] * line[EY]
@@ -106,14 +104,14 @@ def _start(force, line, y):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _tangent(y, side):  # type: ignore[no-untyped-def]
+def _tangent(y, side):
     """Cosines along the stream, across it and up; the first is NaN where the other two leave no room for it."""
     across, up = np.cos(y[BETA]), np.cos(y[GAMMA])
     return side * np.sqrt(1.0 - across * across - up * up), across, up
 
 
 @compiled
-def _joint(y, side, line, joint):  # type: ignore[no-untyped-def]
+def _joint(y, side, line, joint):
     """Force and position in the axes of the scenario."""
     along, across, up = _tangent(y, side)
     ex, ey = line[EX], line[EY]
@@ -123,7 +121,7 @@ def _joint(y, side, line, joint):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _rates(y, side, h, line, law, q, dy):  # type: ignore[no-untyped-def]
+def _rates(y, side, h, line, law, q, dy):
     """d/ds of the state into `dy`; False where the form breaks down, or will before a step of size h is done."""
     along, across, up = _tangent(y, side)
     sine_b, sine_g = np.sin(y[BETA]), np.sin(y[GAMMA])

@@ -59,9 +59,7 @@ def solve(p: Parameters, options: Options) -> Solution:
 
 
 @compiled
-def _march_all(  # type: ignore[no-untyped-def]
-    force, length, packed, laws, segments, midpoint, position_end, force_end, peaks, profile, tensions
-):
+def _march_all(force, length, packed, laws, segments, midpoint, position_end, force_end, peaks, profile, tensions):
     y, before, middle, t, q = np.empty(PLAIN), np.empty(PLAIN), np.empty(3), np.empty(3), np.empty(3)
     for i in range(length.size):
         step, line, law = length[i] / segments, packed[i], laws[i]
@@ -85,7 +83,7 @@ def _march_all(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _load_along(force, line, law, t, q):  # type: ignore[no-untyped-def]
+def _load_along(force, line, law, t, q):
     """The tangent along a force into `t`, the load on it into `q`."""
     _unit(force, t)
     c = t[0] * line[EX] + t[1] * line[EY]
@@ -93,7 +91,7 @@ def _load_along(force, line, law, t, q):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _unit(force, t):  # type: ignore[no-untyped-def]
+def _unit(force, t):
     tension = np.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2])
     for k in range(3):
         t[k] = force[k] / tension
