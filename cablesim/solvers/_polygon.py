@@ -14,8 +14,8 @@ from cablesim.physics.stream import PLAIN, StreamLoads
 from cablesim.solver import Solution
 from cablesim.solvers._stream_ends import force_between_ends
 from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, SolvedLine, StreamLine
-from cablesim.solvers._stream_march import FARTHEST, LOWEST, PEAKS, REACHED, TENSION_PEAK, keep_peaks
 from cablesim.solvers._stream_march import march as exact_march
+from cablesim.solvers._stream_step import FARTHEST, LOWEST, PEAKS, REACHED, TENSION_PEAK, keep_peaks
 from cablesim.status import Status
 
 # The end is met to this part of the length; the exact line that Newton starts from is known to that part, too.

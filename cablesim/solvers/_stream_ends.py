@@ -15,7 +15,8 @@ from cablesim.numerics import Array
 from cablesim.numerics.hyperbolic import inverse_sinhc_excess
 from cablesim.numerics.newton import Points, damped_newton
 from cablesim.physics.stream import StreamLoads
-from cablesim.solvers._stream_march import REACHED, march
+from cablesim.solvers._stream_march import march
+from cablesim.solvers._stream_step import REACHED
 
 # Accuracy of the integration while Newton is still on its way.
 COARSE, CLOSE_ENOUGH = 1e-5, 1e-3

@@ -25,7 +25,8 @@ from cablesim.solver import Solution
 from cablesim.solvers._stream_ends import force_between_ends
 from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, Options, SolvedLine
 from cablesim.solvers._stream_line import StreamLine as Parameters
-from cablesim.solvers._stream_march import FARTHEST, LOWEST, REACHED, TENSION_PEAK, March, march, trace
+from cablesim.solvers._stream_march import March, march, trace
+from cablesim.solvers._stream_step import FARTHEST, LOWEST, REACHED, TENSION_PEAK
 from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
