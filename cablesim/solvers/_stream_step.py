@@ -10,7 +10,7 @@ import numpy as np
 
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.dop853 import E3, E5, EXPONENT, LARGEST_FACTOR, SAFETY, SMALLEST_FACTOR, STAGES, WEIGHTS
-from cablesim.physics.stream import EX, EY, FULL, KB, KT, PLAIN, QZ, ZERO, rates
+from cablesim.physics.stream import EX, EY, FULL, KB, KN, KT, PLAIN, QZ, ZERO, rates
 
 MOST_STEPS = 20_000
 SMALLEST_STEP = 1e-15
@@ -41,14 +41,17 @@ def sides_at(y, line, direction, depth):
     """On which side of a right angle to the stream, and of the level, the line starts; 0 where the latter is no corner.
 
     F.e falls all along a line in a stream, F.z rises by its weight: that decides for a line that starts in a corner.
-    Where a depth is looked for, steps end at the level in space, too: so the height is monotone within each.
+    Where a depth is looked for, steps end at the level in space, too: so the height is monotone within each. A plumb
+    line in still water is never level: it folds where it has no tension, and no step may end there.
     """
     along = y[0] * line[EX] + y[1] * line[EY]
     across = y[1] * line[EX] - y[0] * line[EY]
     downstream = along > 0.0 or (along == 0.0 and direction < 0.0)
     upward = y[2] > 0.0 or (y[2] == 0.0 and line[QZ] * direction < 0.0)
-    in_plane = across == 0.0 and line[KB] == 0.0
-    return np.array([1.0 if downstream else -1.0, (1.0 if upward else -1.0) if in_plane or np.isfinite(depth) else 0.0])
+    plumb = y[0] == 0.0 and y[1] == 0.0 and line[KN] == 0.0
+    corner = (across == 0.0 and line[KB] == 0.0) or np.isfinite(depth)
+    level = (1.0 if upward else -1.0) if corner and not plumb else 0.0
+    return np.array([1.0 if downstream else -1.0, level])
 
 
 @compiled
