@@ -23,8 +23,8 @@ PANEL = 1.5
 NARROW = 0.6
 # Over a panel the tension may change by this much of its logarithm; then sixteen points give it to 1e-14.
 STEEPEST = 5.0
-# More than this would take the tension out of the range of floats.
-MOST_PANELS = 5_000
+# Far more than it takes to lead the tension out of the range of floats, unless it is steep and flat in turns.
+MOST_PANELS = 20_000
 # Beyond this the distance to a singular angle leaves the range of floats.
 LARGEST_LOGIT = 600.0
 NEWTON_STEPS = 60
