@@ -18,6 +18,8 @@ Lines = dict[str, np.ndarray]
 SUBSTEPS = (2, 4, 6, 8, 10, 12, 14)
 TOLERANCE = 1e-12
 MOST_ROUNDS = 3000
+# A tension below this part of the largest in its line is compared to that: rounding leaves less of its digits.
+FAINTEST = 1e-6
 
 
 def random_problems(size: int, seed: int) -> Lines:
@@ -112,7 +114,7 @@ class Check:
     """What became of lines between two ends: status, distance from B over the length, misfit of the integration.
 
     `misfit` (scenario,) is the largest difference, between what another method makes of one node and the next node, of
-    the force relative to the tension there or of the position relative to the length of the line.
+    the force relative to the tension there (`FAINTEST`) or of the position relative to the length of the line.
     """
 
     status: np.ndarray
@@ -154,7 +156,8 @@ def _misfit(s: Array, positions: Array, forces: Array, line: Lines) -> Array:
     move = sign[:, None] * np.diff(positions, axis=1).reshape(-1, 3)
     each = {name: np.repeat(values, nodes - 1, axis=0) for name, values in line.items()}
     force, moved = integrated(start, length, each)
-    by_force = np.linalg.norm(force - goal, axis=1) / np.linalg.norm(goal, axis=1)
+    least = np.repeat(FAINTEST * tension.max(axis=1), nodes - 1)
+    by_force = np.linalg.norm(force - goal, axis=1) / np.maximum(np.linalg.norm(goal, axis=1), least)
     by_place = np.linalg.norm(moved - move, axis=1) / each["line_length"]
     worst = np.maximum(by_force, by_place).reshape(size, nodes - 1)
     return np.where(np.isnan(worst), np.inf, worst).max(axis=1)
@@ -166,5 +169,6 @@ def _misfit_at_ends(joined: list[Array], answer: object, found: Lines, line: Lin
     miss = np.linalg.norm(positions[:, -1] - line["position_B"], axis=1) / line["line_length"]
     for node, end in ((0, "force_A"), (-1, "force_B")):
         force = found[end]
-        miss = np.maximum(miss, np.linalg.norm(forces[:, node] - force, axis=1) / np.linalg.norm(force, axis=1))
+        error = np.linalg.norm(forces[:, node] - force, axis=1)
+        miss = np.maximum(miss, error / np.linalg.norm(forces, axis=2).max(axis=1))
     return np.maximum(miss, np.linalg.norm(positions[:, 0], axis=1) / line["line_length"])

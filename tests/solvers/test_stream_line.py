@@ -120,6 +120,21 @@ def test_two_thousand_lines_between_two_points_are_solved_as_another_method_foll
     assert found.misfit.max() <= 1e-9
 
 
+def test_a_line_whose_ends_are_tied_together_is_folded_along_the_direction_in_which_it_trails() -> None:
+    """Without a lay angle that is the critical angle; both halves lie in one another."""
+    line = random_problems(100, seed=3)
+    line |= {"position_B": np.zeros((100, 3)), "lay_angle": np.zeros(100)}
+    found = check(line, nodes=11)
+    assert (found.status == Status.ok).all()
+    assert found.misfit.max() <= 1e-8  # through a fold, where hardly any tension is left
+    answer = solved(line)
+    np.testing.assert_allclose(answer["tension_A"], answer["tension_B"], rtol=1e-9)
+    drag = 0.5 * line["fluid_density"] * line["stream_speed"] ** 2 * line["diameter"] * line["normal_drag_coefficient"]
+    ratio = np.abs(line["weight_per_length"]) / drag
+    steepness = np.abs(answer["force_B"][:, 2]) / answer["tension_B"]
+    np.testing.assert_allclose(1.0 - steepness**2, 1.0 / (np.hypot(0.5 * ratio, 1.0) + 0.5 * ratio) ** 2, atol=1e-9)
+
+
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
 def test_the_end_tensions_are_as_accurate_as_asked_for(rtol: float) -> None:
     line = random_problems(300, seed=2)
@@ -210,6 +225,8 @@ def test_a_vertical_line_that_is_folded_in_still_water_is_followed_through_its_s
     found = solved(line | {"force_A": [0.0, 0.0, -w * length / 4]})
     np.testing.assert_allclose(found["position_B"][0], [0.0, 0.0, length / 2], atol=1e-9 * length)
     np.testing.assert_allclose(found["force_B"][0], [0.0, 0.0, 0.75 * w * length], rtol=PROMISED)
+    up = solved(without(line, "line_length") | {"force_A": [0.0, 0.0, -w * length / 4], "depth": length / 2})
+    assert up["line_length"][0] == pytest.approx(length, rel=1e-9)
 
 
 # ---- symmetries ----
