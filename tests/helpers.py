@@ -14,6 +14,8 @@ REFERENCE = FOLDER / "reference"
 PUBLISHED = FOLDER.parent / "config" / "scenes" / "tables"
 # Methods for lines in the vertical plane of the stream only.
 PLANE_METHODS = ("pode_line", "pode_table_line")
+# Methods for heavy lines with B straight above A only.
+UPRIGHT_METHODS = ("pode_table_line",)
 
 
 def read_table(path: Path) -> dict[str, Array]:
@@ -31,14 +33,15 @@ def problems(solver: str) -> tuple[tuple[str, ...], ...]:
 def draw(solver: str, size: int, seed: int, problem: int = 0) -> dict[str, np.ndarray]:
     """Random parameters of one of a solver's problems from the ranges that it declares; none that replaces another.
 
-    Lines of a plane method lie in its plane.
+    Lines of a plane method lie in its plane, those of one for upright chords have such a chord.
     """
     rng = np.random.default_rng(seed)
     left_out = {name for group in problems(solver) for name in group} - set(problems(solver)[problem])
     declared = load_solver(solver).parameters.values()
     wanted = [s for s in declared if s.instead_of is None and s.name not in left_out]
     values = {spec.name: _spread(spec, size, rng) for spec in wanted}
-    return in_plane(values) if solver in PLANE_METHODS else values
+    values = in_plane(values) if solver in PLANE_METHODS else values
+    return upright(values) if solver in UPRIGHT_METHODS else values
 
 
 def in_plane(line: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -46,6 +49,12 @@ def in_plane(line: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     flat = {name: values * [1.0, 0.0, 1.0] for name, values in line.items() if values.ndim == 2}
     straight = {name: np.zeros_like(line[name]) for name in ("heading", "lay_angle") if name in line}
     return line | flat | straight
+
+
+def upright(line: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The same lines made heavy, and B moved straight above A."""
+    chord = np.linalg.norm(line["position_B"], axis=1)[:, None] * [0.0, 0.0, 1.0]
+    return line | {"position_B": chord, "weight_per_length": np.abs(line["weight_per_length"])}
 
 
 def rows(columns: dict[str, np.ndarray], which: np.ndarray | int | slice) -> dict[str, np.ndarray]:
