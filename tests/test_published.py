@@ -95,3 +95,81 @@ def test_a_rounded_key_explains_the_cells_that_are_blamed_on_it(audits):
 def test_the_printed_argument_is_named_where_it_contradicts_the_row(audits):
     rounded = flagged(audits["catenary_factors"], "rounded key")
     assert {("0.996", "span_over_length"), ("0.995", "span_over_length")} <= rounded
+
+
+@pytest.fixture(scope="module")
+def stream(tmp_path_factory) -> Layout:
+    """The scenes of Pode's method and of the segment method, run."""
+    layout = Layout(tmp_path_factory.mktemp("stream"))
+    for name in ("pode_published", "pode_example", "pode_example_shape", "segment_error"):
+        run_scene(read_scene(SCENES / f"{name}.yaml"), layout, lambda step, done, total: None)
+    return layout
+
+
+def table(layout: Layout, name: str) -> pd.DataFrame:
+    return pd.read_csv(layout.tables / f"{name}.csv")
+
+
+def test_the_printed_functions_of_pode_are_reproduced_in_every_digit(stream):
+    audit = table(stream, "pode_published_audit")
+    from_tables = audit[audit["row"] <= 4]
+    assert len(from_tables) == 10
+    assert set(from_tables["flag"]) == {"agrees"}
+    assert (from_tables["units_off"].abs() < 0.5).all()
+
+
+def test_functions_that_were_interpolated_by_hand_are_off_and_called_so(stream):
+    audit = table(stream, "pode_published_audit")
+    by_hand = audit[audit["row"] >= 6]
+    assert set(by_hand["flag"]) == {"interpolated by hand"}
+    assert (by_hand["units_off"].abs() > 50).all()
+
+
+def test_example_4_of_pode_is_solved_and_the_errors_of_the_handbook_are_shown(stream):
+    audit = table(stream, "pode_example_audit").set_index("column")
+    exact = {
+        "angle_B_deg": (31.0646, 5e-5),
+        "angle_A_deg": (208.5557, 5e-5),
+        "lowest_x_m": (-21.499, 5e-4),
+        "lowest_y_m": (-7.981, 5e-4),
+        "farthest_x_m": (-33.891, 5e-4),
+        "farthest_y_m": (0.886, 5e-4),
+    }
+    for column, (value, half_digit) in exact.items():
+        assert audit.loc[column, "exact"] == pytest.approx(value, abs=half_digit)
+    np.testing.assert_allclose(audit["difference"], audit["printed"] - audit["exact"], rtol=1e-3)
+    assert set(audit["flag"]) == {"off by interpolation"}
+
+
+def test_interpolation_in_a_table_of_whole_degrees_gives_the_angles_of_the_handbook(stream):
+    results = table(stream, "pode_example_results").set_index("method")
+    assert results.loc["table_1_deg", "angle_B_deg"] == pytest.approx(31.09, abs=5e-3)
+    assert results.loc["table_1_deg", "angle_A_deg"] == pytest.approx(208.43, abs=5e-3)
+    # Its points are the handbook's to 1 cm, because the handbook rounds on the way.
+    assert results.loc["table_1_deg", "lowest_x_m"] == pytest.approx(-21.563, abs=1e-2)
+    assert results.loc["table_1_deg", "farthest_x_m"] == pytest.approx(-33.964, abs=1.1e-2)
+
+
+@pytest.mark.parametrize(("variant", "order"), [("euler", 1.0), ("midpoint", 2.0)])
+def test_the_measured_order_of_the_segment_method_is_that_of_its_variant(variant, order, stream):
+    orders = table(stream, "segment_error_orders")
+    fine = orders[orders["series"].str.endswith(f"variant={variant}") & (orders["value"] >= 64)]
+    assert len(fine) == 7 * 3
+    np.testing.assert_allclose(fine["order"], order, atol=0.05)
+
+
+def test_the_figures_of_example_4_and_of_the_segment_errors_are_drawn(stream):
+    figures = ("pode_example_shape_shape", "pode_example_force", "segment_error_segments", "segment_error_run_time")
+    assert all((stream.figures / f"{name}.png").stat().st_size > 10_000 for name in figures)
+
+
+def test_the_classical_layout_prints_the_values_of_the_literature(default_study):
+    printed = table(Layout(default_study / "results" / "default"), "pode_table_classical").set_index(
+        ["critical_angle [deg]", "friction_ratio", "angle [deg]"]
+    )
+    assert printed.loc[(30, 0.025, 90)].tolist() == [1.38698, 3.06571, -2.24439, 1.60605]
+    assert printed.loc[(30, 0.025, 32), "xi"] == 2.33181
+    assert printed.loc[(30, 0.025, 31), "xi"] == 4.05988
+    # From the angle after the critical one to that before the end of the domain, and nothing at either.
+    degrees = printed.loc[(30, 0.025)].index
+    assert (degrees.min(), degrees.max(), len(degrees)) == (31, 209, 179)
