@@ -96,10 +96,15 @@ def test_printed_cases_are_named_by_their_parameters(tmp_path):
     assert table["rise [m]"].tolist() == ["1", "0"]
 
 
+def series(segments: tuple[int, ...], **options: Any) -> dict[str, Any]:
+    """Methods of the segment method, by their number of segments."""
+    return {f"n{n}": {"solver": "segment_line", "options": {"segments": n, **options}} for n in segments}
+
+
 def test_the_order_is_positive_for_more_segments_and_for_smaller_tolerances(tmp_path):
     methods = {
         "exact": {"solver": "pode_line"},
-        **{f"n{n}": {"solver": "segment_line", "options": {"segments": n}} for n in (32, 64, 128)},
+        **series((32, 64, 128)),
         **{f"tolerance_{k}": {"solver": "stream_line", "options": {"rtol": 10.0**-k}} for k in (4, 6, 8)},
     }
     layout = run(tmp_path, {**TOWED, "methods": methods})
@@ -112,17 +117,45 @@ def test_the_order_is_positive_for_more_segments_and_for_smaller_tolerances(tmp_
     assert 0.0 < found["stream_line"].order < 2.0
 
 
-def test_series_are_told_apart_by_their_other_options_and_two_methods_are_none(tmp_path):
-    methods = {
-        "exact": {"solver": "pode_line"},
-        **{
-            f"{variant}_{n}": {"solver": "segment_line", "options": {"segments": n, "variant": variant}}
-            for variant in ("euler", "midpoint")
-            for n in ((8, 16, 32) if variant == "euler" else (8, 16))
-        },
-    }
+def test_a_series_has_three_methods_that_differ_in_one_option_alone(tmp_path):
+    coarse = {f"midpoint_{name}": method for name, method in series((8, 16), variant="midpoint").items()}
+    methods = {"exact": {"solver": "pode_line"}, **series((8, 16, 32)), **coarse}
     layout = run(tmp_path, {**TOWED, "methods": methods})
     orders = pd.read_csv(layout.tables / "small_orders.csv")
     assert set(orders["series"]) == {"segment_line"}
     assert orders["value"].tolist() == [8, 16, 32]
     assert np.isnan(orders["order"].iloc[0])
+
+
+def test_figures_in_space_and_of_convergence_are_drawn(tmp_path):
+    methods = {"exact": {"solver": "stream_line"}, **series((8, 16, 32))}
+    figures = {
+        "space": {"kind": "spatial", "each": {"stream_speed": [0.5, 1.0]}, "methods": ["exact"]},
+        "error": {"kind": "convergence", "output": "position_B", "against": "run_time"},
+        "plan": {"kind": "profiles", "view": "xy", "at": {"stream_speed": [0.5, 1.0]}},
+    }
+    layout = run(tmp_path, {**TOWED, "methods": methods, "outputs": ["position_B", "profile"], "figures": figures})
+    assert all((layout.figures / f"small_{name}.png").stat().st_size > 10_000 for name in figures)
+
+
+def test_a_view_in_space_is_drawn_though_no_scenario_has_an_answer(tmp_path):
+    figures = {"space": {"kind": "spatial", "point": {"rise": 0, "length_ratio": 0.9}}}
+    layout = run(tmp_path, {**SPANS, "outputs": ["profile"], "figures": figures})
+    assert (layout.figures / "small_space.png").stat().st_size > 1000
+
+
+def test_a_convergence_is_drawn_though_no_scenario_has_an_answer(tmp_path):
+    # A line without weight in still water has no shape at all.
+    fixed = {**TOWED["fixed"], "weight_per_length": 0}
+    del fixed["force_A"]
+    scene = {
+        **TOWED,
+        "design": {"grid": {"stream_speed": [0.0]}},
+        "fixed": {**fixed, "position_B": [10, 0, 5]},
+        "methods": {"exact": {"solver": "pode_line"}, **series((8, 16, 32))},
+        "outputs": ["force_B"],
+        "figures": {"error": {"kind": "convergence", "output": "force_B", "against": "segments"}},
+    }
+    layout = run(tmp_path, scene)
+    assert (open_scene(layout.root, "small").status.values != 0).all()
+    assert (layout.figures / "small_error.png").stat().st_size > 1000

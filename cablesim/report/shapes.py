@@ -93,13 +93,13 @@ def _stream_arrows(axes: Any, dataset: xr.Dataset, shapes: list[Shape], low: np.
     """An arrow on the floor for each direction of the stream, in the colour of the line if there are several."""
     turned = "heading" in dataset.coords
     headings = [float(dataset.heading.isel(_own(dataset.heading, shape))) if turned else 0.0 for shape in shapes]
-    length = 0.2 * (high - low)[:2].min()
-    for number, heading in enumerate(dict.fromkeys(headings)):
-        colour = PALETTE[headings.index(heading) % len(PALETTE)] if len(set(headings)) > 1 else "black"
+    different = list(dict.fromkeys(headings))
+    length, start = 0.2 * (high - low)[:2].min(), low[:2] + 0.2 * (high - low)[:2]
+    for heading in different:
+        colour = PALETTE[headings.index(heading) % len(PALETTE)] if len(different) > 1 else "black"
         step = length * np.array([np.cos(heading), np.sin(heading)])
-        start = low[:2] + 0.2 * (high - low)[:2]
-        label = "stream" if number == 0 and len(set(headings)) == 1 else None
-        axes.quiver(*start, low[2], *step, 0.0, color=colour, linewidth=1.5, label=label, zorder=2)
+        axes.quiver(*start, low[2], *step, 0.0, color=colour, linewidth=1.5, zorder=2)
+    axes.plot([], [], [], color="none", label="arrow: the stream" if len(different) == 1 else "arrows: the stream")
 
 
 def _own(values: xr.DataArray, shape: Shape) -> dict[str, int]:
