@@ -10,12 +10,16 @@ import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cablesim.errors import CablesimError
+from cablesim.parameters import ParameterSpec
+from cablesim.solver import Solver, load_solver, solver_names
 from cablesim.study import read_study
 from cablesim.workflow import plan_study
 from tests.cli.helpers import Answer, assert_refused, call, scene, tree
+from tests.helpers import draw, problems
 
 Ask = Callable[..., Answer]
 # The input, and the phrases that its refusal must contain.
@@ -673,6 +677,175 @@ def test_a_command_line_is_refused_that_has(
     assert_refused(ask(*arguments), *phrases)
     assert tree(here.parent) == before
 
+
+# ---- every parameter and option of every solver, on the command line and in scenes ----
+
+Given = dict[str, str]
+
+
+def text(value: np.ndarray) -> str:
+    """A number, a word or a vector as a command line takes it."""
+    return ",".join(map(str, np.ravel(value).tolist()))
+
+
+def good_values(solver: Solver, name: str) -> Given:
+    """A good scenario of the first problem that has this parameter, without any that it replaces."""
+    spec = solver.parameters.get(name)
+    groups = problems(solver.name)
+    chosen = next((k for k, group in enumerate(groups) if name in group), 0)
+    values = {key: text(value[0]) for key, value in draw(solver.name, 1, seed=1, problem=chosen).items()}
+    if spec and spec.instead_of:
+        del values[spec.instead_of]
+        values[name] = str(spec.typical[0])
+    return values
+
+
+def wrong_values(spec: ParameterSpec) -> list[tuple[str, tuple[str, ...]]]:
+    """What no value of a parameter may be, and what must be said of it."""
+    if spec.words:
+        return [(spec.words[0][:-1], ("unknown value", spec.words[0])), ("2", ("unknown value '2'",)), ("", ())]
+    everywhere = [
+        ("1 kg", ("kg",)),
+        ("1 smoots", ("smoots",)),
+        ("wide", ("wide",)),
+        ("nan", ("nan",)),
+        ("1e61", ("1e+61",)),
+    ]
+    if spec.vector:
+        components = [(f"1,{value},3", phrases) for value, phrases in everywhere]
+        return [*components, ("1,2", ("three components",)), ("1,2,3,4", ("three components",)), ("1,,3", ())]
+    bounds = [(spec.above, 0.0, ">"), (spec.at_least, -1e-9, ">="), (spec.below, 0.0, "<"), (spec.at_most, 1e-9, "<=")]
+    outside = [(str(at + step), (f"{sign} {at:g}",)) for at, step, sign in bounds if at is not None]
+    return [*everywhere, *outside, ("1,2", ("1,2",)), ("", ())]
+
+
+SOLVERS = [load_solver(name) for name in solver_names()]
+PARAMETERS = [(solver, name) for solver in SOLVERS for name in solver.parameters]
+OPTIONS = [(solver, name) for solver in SOLVERS for name in solver.options]
+
+
+def named(pairs: list[tuple[Solver, str]]) -> list[str]:
+    return [f"{solver.name} {name}" for solver, name in pairs]
+
+
+def assignments(values: Given) -> tuple[str, ...]:
+    return tuple(f"{name}={value}" for name, value in values.items())
+
+
+def as_scene(solver: Solver, values: Given, options: Given | None = None) -> str:
+    """A scene of one case, with all values fixed but one."""
+    axis = next(name for name in values if name in solver.parameters and not solver.parameters[name].vector)
+    fixed = {name: value.split(",") if "," in value else value for name, value in values.items() if name != axis}
+    return scene(
+        design={"cases": [{axis: values[axis]}]},
+        fixed=fixed,
+        methods={"asked": {"solver": solver.name, **({"options": options} if options else {})}},
+        outputs=[name for name in solver.outputs if name not in values][-1:],
+    )
+
+
+@pytest.mark.parametrize(("solver", "name"), PARAMETERS, ids=named(PARAMETERS))
+def test_no_wrong_value_of_a_parameter_is_taken(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    good = good_values(solver, name)
+    before = tree(here.parent)
+    for value, phrases in wrong_values(solver.parameters[name]):
+        assert_refused(ask("solve", solver.name, *assignments(good | {name: value})), name, *phrases)
+    assert tree(here.parent) == before
+
+
+@pytest.mark.parametrize(("solver", "name"), PARAMETERS, ids=named(PARAMETERS))
+def test_no_wrong_value_of_a_parameter_is_taken_from_a_scene(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    good = good_values(solver, name)
+    for value, phrases in wrong_values(solver.parameters[name]):
+        (here / "asked.yaml").write_text(as_scene(solver, good | {name: value}))
+        before = tree(here.parent)
+        assert_refused(ask("run", "asked.yaml"), "asked.yaml", name, *(phrase for phrase in phrases if phrase != "1,2"))
+        assert tree(here.parent) == before
+
+
+@pytest.mark.parametrize(("solver", "name"), PARAMETERS, ids=named(PARAMETERS))
+def test_a_misspelt_or_repeated_parameter_is_refused(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    good = good_values(solver, name)
+    misspelt = {**good, name[:-2] + name[-1]: good[name]}
+    assert_refused(ask("solve", solver.name, *assignments(misspelt)), "did you mean", name)
+    assert_refused(ask("solve", solver.name, *assignments(good), f"{name}={good[name]}"), name, "twice")
+    (here / "asked.yaml").write_text(as_scene(solver, misspelt))
+    assert_refused(ask("run", "asked.yaml"), "asked.yaml", name[:-2] + name[-1], name)
+
+
+@pytest.mark.parametrize(("solver", "name"), PARAMETERS, ids=named(PARAMETERS))
+def test_a_missing_parameter_is_asked_for(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    """One with a default may be missing, and is then what the default says."""
+    good = good_values(solver, name)
+    given = {key: value for key, value in good.items() if key != name}
+    if solver.parameters[name].default is not None:
+        assert ask("solve", solver.name, *assignments(given)).code in (0, 1)
+        return
+    wanted = solver.parameters[name].instead_of or name
+    assert_refused(ask("solve", solver.name, *assignments(given)), wanted)
+    if given:  # a scene is one of something
+        (here / "asked.yaml").write_text(as_scene(solver, given))
+        assert_refused(ask("run", "asked.yaml"), "asked.yaml", "methods.asked", wanted)
+
+
+VECTORS = [(solver, name) for solver, name in PARAMETERS if solver.parameters[name].vector]
+
+
+@pytest.mark.parametrize(("solver", "name"), VECTORS, ids=named(VECTORS))
+def test_a_vector_in_part_is_refused(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    good = good_values(solver, name)
+    whole = good.pop(name)
+    cases = [
+        ({f"{name}_x": "1", f"{name}_z": "2"}, f"{name}_y must be given"),
+        ({f"{name}_w": "1", name: whole}, f"{name}_w"),
+        ({f"{name}_x": "1", name: whole}, "given twice"),
+        ({f"{name}_x": "1 kg", f"{name}_y": "1", f"{name}_z": "1"}, "kg"),
+        ({f"{name}_x": "1,2", f"{name}_y": "1", f"{name}_z": "1"}, "1,2"),
+    ]
+    for parts, phrase in cases:
+        assert_refused(ask("solve", solver.name, *assignments(good | parts)), phrase)
+        (here / "asked.yaml").write_text(as_scene(solver, good | parts))
+        assert_refused(ask("run", "asked.yaml"), "asked.yaml", *([phrase] if phrase != "1,2" else []))
+
+
+CHOICES = [(solver, name) for solver, name in PARAMETERS if any(name in group for group in problems(solver.name)[:-1])]
+
+
+@pytest.mark.parametrize(("solver", "name"), CHOICES, ids=named(CHOICES))
+def test_parameters_of_no_problem_or_of_two_are_refused(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    good = good_values(solver, name)
+    alternatives = {key for group in problems(solver.name) for key in group}
+    rest = {key: value for key, value in good.items() if key not in alternatives}
+    everything = {key: value for k in range(3) for key, value in good_values_of_problem(solver, k).items()}
+    for given in (rest, rest | {name: good[name]}, everything):
+        expected = " and ".join(problems(solver.name)[0])
+        assert_refused(ask("solve", solver.name, *assignments(given)), f"give {expected}, or", "given: ")
+        (here / "asked.yaml").write_text(as_scene(solver, given))
+        assert_refused(ask("run", "asked.yaml"), "asked.yaml", "methods.asked", "given: ")
+
+
+def good_values_of_problem(solver: Solver, number: int) -> Given:
+    return {key: text(value[0]) for key, value in draw(solver.name, 1, seed=1, problem=number).items()}
+
+
+@pytest.mark.parametrize(("solver", "name"), OPTIONS, ids=named(OPTIONS))
+def test_no_wrong_value_of_an_option_is_taken(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    good, option = good_values(solver, ""), solver.options[name]
+    wrong = ["nan", "", "1 m", "1,2", "many"]
+    if not option.one_of:
+        wrong += [str(option.at_least - 1), str(option.at_most + 1), "inf"]
+    if isinstance(option.default, int):
+        wrong.append("2.5")
+    for value in wrong:
+        answer = ask("solve", solver.name, *assignments(good), "--option", f"{name}={value}")
+        assert_refused(answer, name, value)
+        (here / "asked.yaml").write_text(as_scene(solver, good, {name: value}))
+        assert_refused(ask("run", "asked.yaml"), "asked.yaml", "methods.asked", name)
+    misspelt = ask("solve", solver.name, *assignments(good), "--option", f"{name[:-2] + name[-1]}={option.default}")
+    assert_refused(misspelt, "did you mean", name)
+
+
+# ---- queries ----
 
 QUERIES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "an unknown scene": (("tinny",), ("'tinny'", "did you mean tiny?")),
