@@ -40,14 +40,14 @@ def report(parts: list[Check], iterations: np.ndarray, seconds: float) -> None:
         np.concatenate([getattr(part, name) for part in parts]) for name in ("status", "closing", "misfit")
     )
     solved = status == Status.ok
-    print(f"lines        {status.size}")
-    print(f"solved       {solved.sum()} ({solved.mean():.3%})")
+    print(f"lines         {status.size}")
+    print(f"solved        {solved.sum()} ({solved.mean():.3%})")
     for fate in Status:
         if fate != Status.ok:
-            print(f"{fate.name:<13}{(status == fate).sum()}")
-    print(f"wrong        {(misfit[solved] > WRONG).sum()}")
-    print(f"worst misfit {misfit[solved].max():.1e}, of a closing error {closing[solved].max():.1e}")
-    print(f"seconds      {seconds:.1f} ({seconds / status.size:.1e} a line), at most {iterations.max()} integrations")
+            print(f"{fate.name:<14}{(status == fate).sum()}")
+    print(f"wrong         {(misfit[solved] > WRONG).sum()}")
+    print(f"worst misfit  {misfit[solved].max():.1e}, of a closing error {closing[solved].max():.1e}")
+    print(f"seconds       {seconds:.1f} ({seconds / status.size:.1e} a line), at most {iterations.max()} integrations")
 
 
 if __name__ == "__main__":
