@@ -77,6 +77,8 @@ def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
         keys["y"].fail("at least one formula is needed")
     each = keys["each"].choice(tuple(axis.name for axis in stage.names.design.axes)) if "each" in keys else None
     position = fixed_axes(keys, stage.names)
+    if each in position:
+        keys["each"].fail(f"one point of {each} is chosen already, under point")
     x, along_x = _number(keys["x"], stage)
     formulas = {}
     for name, entry in lines.items():

@@ -12,6 +12,8 @@ from cablesim.design import Axis
 from cablesim.errors import nearest
 from cablesim.quantities import QUANTITIES, quantity
 
+# Names of the tables that every scene has.
+TAKEN = ("errors", "tensions", "values", "status", "orders", "audit")
 DIGITS = 6
 MOST_DIGITS = 15
 
@@ -57,6 +59,8 @@ def read_printed_tables(node: Node, names: Rehearsal) -> tuple[PrintedTable, ...
     for name, entry in node.mapping(optional=None).items():
         if not is_name(name):
             entry.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
+        if name in TAKEN:
+            entry.fail(f"every scene has a table '{name}' of its own: choose another name")
         tables.append(_read_table(name, entry, names))
     return tuple(tables)
 
@@ -81,7 +85,7 @@ def _read_table(name: str, node: Node, names: Rehearsal) -> PrintedTable:
     return replace(
         table,
         position=_read_position(node, read_point(keys, names), table, names),
-        units=_read_units(keys["units"], table) if "units" in keys else {},
+        units=_read_units(keys["units"], table, names) if "units" in keys else {},
     )
 
 
@@ -136,8 +140,10 @@ def _check_distinct(node: Node, axis: Axis, shown: list[str]) -> None:
         node.fail(f"several scenarios have the same {' and '.join(shown)}: name more parameters")
 
 
-def _read_units(node: Node, table: PrintedTable) -> dict[str, str]:
-    known = {head: unit for head in (*table.heads, *table.columns) if (unit := table.base_unit(head)) is not None}
+def _read_units(node: Node, table: PrintedTable, names: Rehearsal) -> dict[str, str]:
+    words = {name for name, spec in names.parameters.items() if spec.words}
+    heads = [head for head in (*table.heads, *table.columns) if head not in words]
+    known = {head: unit for head in heads if (unit := table.base_unit(head)) is not None}
     chosen = {}
     for name, entry in node.mapping(optional=None).items():
         if name not in known:

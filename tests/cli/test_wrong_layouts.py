@@ -45,6 +45,19 @@ TABLES = {
     "an unknown key": printed("asked.yaml", "tables.look.colums", "columns", colums=["sag"]),
     "a list of tables": (scene(tables="[sag]"), ("tables", "a list")),
     "a path for a table's name": (scene(tables="{../look: {rows: length_ratio, columns: [sag]}}"), ("../look", "name")),
+    "the name of a table that every scene has": (
+        scene(tables="{errors: {rows: length_ratio, columns: [sag]}}"),
+        ("tables.errors", "another name"),
+    ),
+    "a unit of a word": (
+        scene(
+            **{**SERIES, "design": "{grid: {stream_speed: [1], friction_law: [constant, zero]}}"},
+            tables={
+                "look": {"rows": "friction_law", "columns": ["exact.position_B_x"], "units": {"friction_law": "%"}}
+            },
+        ),
+        ("tables.look.units.friction_law", "friction_law"),
+    ),
     "no rows": printed("tables.look", "'rows'", rows=None),
     "no columns": printed("tables.look", "'columns'", columns=None),
     "no column in the list": printed("tables.look.columns", "empty", columns=[]),
@@ -116,6 +129,13 @@ FIGURES = {
     "curves at a point that is not there": (
         scene(**TWO_AXES, figures={"look": {"kind": "curves", "x": "length_ratio", "y": "sag", "point": {"rise": 3}}}),
         ("figures.look.point.rise", "3"),
+    ),
+    "curves for each point of an axis of which one is chosen": (
+        scene(
+            **TWO_AXES,
+            figures={"look": {"kind": "curves", "x": "length_ratio", "y": "sag", "each": "rise", "point": {"rise": 0}}},
+        ),
+        ("figures.look.each", "rise"),
     ),
     "an unknown key of a convergence": convergence("figures.look.outputs", "output", outputs="position_B"),
     "a convergence of nothing": convergence("figures.look", "'output'", output=None),
