@@ -20,6 +20,7 @@ from cablesim.numerics import Array
 from cablesim.parameters import option
 from cablesim.physics.stream import critical_angle
 from cablesim.solver import Solution
+from cablesim.solvers import _stream_line
 from cablesim.solvers._pode_march import HORIZONTAL, LENGTH, TENSION, VERTICAL, logits, packed, pode_integrals
 from cablesim.solvers._stream_line import LineBetweenEnds as Parameters
 from cablesim.solvers._stream_line import Nodes, SolvedLine
@@ -27,22 +28,7 @@ from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-OUTPUTS = (
-    "position_B",
-    "force_A",
-    "force_B",
-    "tension_A",
-    "tension_B",
-    "max_tension",
-    "angle_A",
-    "angle_B",
-    "lowest_point",
-    "farthest_point",
-    "line_length",
-    "closing_error",
-    "profile",
-    "profile_tension",
-)
+OUTPUTS = tuple(name for name in _stream_line.OUTPUTS if name != "steps")
 SECONDS_PER_SCENARIO = 2e-3
 COMPILED = True
 # A chord that leans by less than this part of itself does so by rounding alone.
