@@ -120,6 +120,38 @@ def test_two_thousand_lines_between_two_points_are_solved_as_another_method_foll
     assert found.misfit.max() <= 1e-9
 
 
+def stretched(line: dict[str, Array], slack: float) -> dict[str, Array]:
+    reach = line["line_length"] / norm(line["position_B"])
+    return line | {"position_B": line["position_B"] * (reach * (1.0 - slack))[:, None]}
+
+
+HARD = {
+    "taut to a millionth": lambda line: stretched(line, 1e-6),
+    "taut to the last digits": lambda line: stretched(line, 1e-12),
+    "a thousand times as long as their chord": lambda line: stretched(line, 1.0 - 1e-3),
+    "without weight": lambda line: line | {"weight_per_length": np.zeros(100)},
+    "without weight and friction": lambda line: (
+        line | {"weight_per_length": np.zeros(100), "friction_law": np.full(100, "zero")}
+    ),
+    "in still water": lambda line: line | {"stream_speed": np.zeros(100)},
+    "in hardly any stream": lambda line: line | {"stream_speed": np.full(100, 1e-6)},
+    "in a jet": lambda line: line | {"stream_speed": np.full(100, 50.0)},
+    "of much friction": lambda line: line | {"tangential_drag_coefficient": np.full(100, 1.0)},
+    "with B straight above or below A": lambda line: line | {"position_B": line["position_B"] * [0.0, 0.0, 1.0]},
+    "level": lambda line: line | {"position_B": line["position_B"] * [1.0, 1.0, 0.0]},
+}
+
+
+@pytest.mark.parametrize("kind", HARD)
+def test_lines_between_two_points_are_solved_that_are(kind: str) -> None:
+    line = HARD[kind](random_problems(100, seed=9))
+    found = check(line, nodes=6)
+    assert (found.status == Status.ok).all()
+    assert found.closing.max() <= 1e-12
+    # Very long lines end in slack parts, through which a piece loses more digits.
+    assert found.misfit.max() <= 1e-8
+
+
 def test_a_line_whose_ends_are_tied_together_is_folded_along_the_direction_in_which_it_trails() -> None:
     """Without a lay angle that is the critical angle; both halves lie in one another."""
     line = random_problems(100, seed=3)
