@@ -16,7 +16,7 @@ SMALLEST_FACTOR, LARGEST_FACTOR = 0.2, 10.0
 EXPONENT = -1.0 / 8.0
 
 # Weights of earlier slopes, by their number, in each stage; the last row gives the end of the step.
-_STAGES = (
+_STAGES: tuple[dict[int, float], ...] = (
     {},
     {0: 0.05260015195876773},
     {0: 0.0197250569845379, 1: 0.0591751709536137},
@@ -81,7 +81,7 @@ _STAGES = (
     },
 )
 # Weights of the slopes in the error estimates; the last slope is that at the end of the step.
-_ERRORS = (
+_ERRORS: tuple[dict[int, float], ...] = (
     {
         0: -0.18980075407240762,
         5: 4.450312892752409,
