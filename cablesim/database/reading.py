@@ -51,6 +51,13 @@ def of_method(values: xr.DataArray, method: str) -> xr.DataArray:
     return values.sel({"method": str(method)}, drop=True)
 
 
+def magnitude(values: xr.DataArray) -> xr.DataArray:
+    """The absolute value of a number, the length of a vector."""
+    if "component" not in values.dims:
+        return abs(values)
+    return values.reduce(np.linalg.norm, "component")
+
+
 def with_components(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with each vector also by its components: `force_B` as `force_B_x`, `force_B_y` and `force_B_z`."""
     vectors = [str(name) for name in dataset.data_vars if is_vector(str(name))]

@@ -9,10 +9,9 @@ import xarray as xr
 
 from cablesim.config.method import Series, find_series, series_names
 from cablesim.config.scene import Scene
-from cablesim.database.reading import of_method
+from cablesim.database.reading import magnitude, of_method
 from cablesim.numerics import Array
 from cablesim.quantities import VECTOR, quantity
-from cablesim.report.tables import magnitude
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.config.scene import Reference, Scene
-from cablesim.database.reading import of_method, running_numbers, status_words, with_components, written
+from cablesim.database.reading import magnitude, of_method, running_numbers, status_words, with_components, written
 from cablesim.files import write_text
 from cablesim.quantities import VECTOR, quantity
 
@@ -118,13 +118,6 @@ def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
         **_spread("relative", found_relative),
         "worst at": _place_of_largest(relative),
     }
-
-
-def magnitude(values: xr.DataArray) -> xr.DataArray:
-    """The absolute value of a number, the length of a vector."""
-    if "component" not in values.dims:
-        return abs(values)
-    return values.reduce(np.linalg.norm, "component")
 
 
 def _spread(kind: str, values: np.ndarray) -> dict[str, float]:
