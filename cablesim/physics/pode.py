@@ -20,6 +20,8 @@ from cablesim.physics.stream import CONSTANT, COSINE_SQUARED, ZERO
 
 # pi as a float and what the float leaves out.
 PI, PI_TAIL = np.pi, 1.2246467991473532e-16
+# Nearer to a singular angle than this part of itself an angle may as well be that angle.
+ROUNDING = 2.0 * np.finfo(float).eps
 # What a line's angles and tensions need to know of it, packed by `pack`.
 CRITICAL, FRICTION, LAW, COSINE, SINE, HALF_COSINE, HALF_SINE, SCALE, U_RIGHT, U_STRAIGHT, BEFORE, BEYOND, WIDTH = (
     range(13)
@@ -56,11 +58,11 @@ def pack(critical, tail, friction, law, line):
 
 @compiled
 def logit_of_angle(angle, critical, tail):
-    """u of an angle; NaN at the singular angles and beyond them."""
+    """u of an angle; NaN at the singular angles, as near to them as the angle is rounded, and beyond them."""
     low = angle - critical - tail
     # Differences of near numbers are exact: those of angle and pi above pi/2, those of angle and a_c below it.
     high = (critical - (angle - PI)) + (PI_TAIL + tail) if angle > 0.5 * PI else (PI - low) + PI_TAIL
-    if not (low > 0.0 and high > 0.0):
+    if not (low > ROUNDING * angle and high > ROUNDING * angle):
         return np.nan
     return np.log(np.tan(0.5 * low)) if low < high else -np.log(np.tan(0.5 * high))
 
