@@ -160,11 +160,12 @@ def test_without_friction_the_law_of_friction_makes_no_difference() -> None:
 
 
 def at_and_beyond(critical: float) -> dict[str, list[float]]:
-    """Angles inside and outside of the singular angles; pi + critical itself is no float, the next one is above it."""
-    upper = np.nextafter(critical + np.pi, 10.0)
+    """Angles inside and outside of the singular angles; an angle next to one of them may be that angle, rounded."""
+    upper = critical + np.pi
+    lower_rounded, upper_rounded = np.nextafter(critical, 10.0), np.nextafter([upper, upper], [0.0, 10.0])
     return {
-        "inside": [np.nextafter(critical, 10.0), critical + 1e-9, 1.5, 3.0, critical + np.pi - 1e-9],
-        "outside": [critical, critical - 1e-9, 0.0, -1.0, upper, upper + 1e-9, 6.0, 1e9],
+        "inside": [critical + 1e-14, critical + 1e-9, 1.5, 3.0, upper - 1e-9, upper - 1e-14],
+        "outside": [critical, lower_rounded, critical - 1e-9, 0.0, -1.0, upper, *upper_rounded, upper + 1e-9, 6.0, 1e9],
     }
 
 
