@@ -27,7 +27,7 @@ from cablesim.solvers._pode_march import HORIZONTAL, LENGTH, TENSION, VERTICAL, 
 from cablesim.status import Status
 
 OUTPUTS = ("tau", "sigma", "xi", "eta")
-SECONDS_PER_SCENARIO = 6e-6
+SECONDS_PER_SCENARIO = 3e-6
 COMPILED = True
 
 

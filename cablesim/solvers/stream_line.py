@@ -12,6 +12,10 @@ reserve. At the default rtol = 1e-12 position and tension agree with 20-digit re
 line goes through a very slack part, the force at one end does not determine the other end well: an error in its last
 digit grows on the way. The two-point problem does not suffer from that, because it is solved from the slack part.
 
+Where not to rely on it: a line much lighter than its drag whose ends lie one behind the other in the stream trails as a
+hairpin, with next to no tension in its bend; there, and for ends nearer than a thousandth of the length, it often gives
+up (`not_converged`).
+
 Reference: Handbook on ropes and fishing gear (in Chinese), sections 3-1 to 3-3.
 """
 
