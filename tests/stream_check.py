@@ -20,6 +20,20 @@ TOLERANCE = 1e-12
 MOST_ROUNDS = 3000
 # A tension below this part of the largest in its line is compared to that: rounding leaves less of its digits.
 FAINTEST = 1e-6
+# A line in sea water without its shape, weight and stream.
+ROPE = {
+    "diameter": 0.02,
+    "normal_drag_coefficient": 1.2,
+    "tangential_drag_coefficient": 0.03,
+    "fluid_density": 1025.0,
+}
+# The same with a weight, in a stream.
+LOADED_ROPE = ROPE | {"weight_per_length": 5.0, "stream_speed": 1.0}
+
+
+def norm(vectors: Array) -> Array:
+    """Lengths of vectors along the last axis."""
+    return np.linalg.norm(vectors, axis=-1)
 
 
 def random_problems(size: int, seed: int) -> Lines:

@@ -11,7 +11,7 @@ from cablesim.physics.stream import FRICTION_LAWS
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import REFERENCE, draw, in_plane, read_table, rows
-from tests.stream_check import random_problems
+from tests.stream_check import LOADED_ROPE, norm, random_problems
 
 # All but what tells of the work.
 OUTPUTS = tuple(name for name in default_outputs(load_solver("pode_line")) if name not in ("steps", "closing_error"))
@@ -26,10 +26,6 @@ EXAMPLE = {
     "stream_speed": 1.0,
     "line_length": 86.36,
 }
-
-
-def norm(vectors: Array) -> Array:
-    return np.linalg.norm(vectors, axis=-1)
 
 
 def plane_problems(size: int, seed: int) -> dict[str, np.ndarray]:
@@ -233,15 +229,7 @@ def test_the_book_is_off_by_what_its_coarse_table_costs() -> None:
 
 # ---- what has no answer ----
 
-LINE = {
-    "line_length": 10.0,
-    "weight_per_length": 5.0,
-    "diameter": 0.02,
-    "normal_drag_coefficient": 1.2,
-    "tangential_drag_coefficient": 0.03,
-    "fluid_density": 1025.0,
-    "stream_speed": 1.0,
-}
+LINE = LOADED_ROPE | {"line_length": 10.0}
 OUT_OF_PLANE = {
     "a force across the stream": {"force_A": [10.0, 1e-6, 50.0]},
     "an end across the stream": {"position_B": [3.0, 1e-6, 4.0]},

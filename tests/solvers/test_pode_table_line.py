@@ -4,17 +4,13 @@ import numpy as np
 import pytest
 
 from cablesim.batch import solve
-from cablesim.numerics import Array
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import draw, rows
 from tests.solvers.test_pode_line import EXAMPLE
+from tests.stream_check import norm
 
 LINE = EXAMPLE | {"position_B": [0.0, 0.0, 30.48]}
-
-
-def norm(vectors: Array) -> Array:
-    return np.linalg.norm(vectors, axis=-1)
 
 
 def drooping_lines(size: int, seed: int) -> dict[str, np.ndarray]:

@@ -9,22 +9,10 @@ from cablesim.batch import Results, solve
 from cablesim.numerics import Array
 from cablesim.status import Status
 from tests.helpers import draw, rows
-from tests.stream_check import random_problems
+from tests.stream_check import LOADED_ROPE, norm, random_problems
 
 ORDERS = {"euler": 1.0, "midpoint": 2.0}
-LINE = {
-    "line_length": 10.0,
-    "weight_per_length": 5.0,
-    "diameter": 0.02,
-    "normal_drag_coefficient": 1.2,
-    "tangential_drag_coefficient": 0.03,
-    "fluid_density": 1025.0,
-    "stream_speed": 1.0,
-}
-
-
-def norm(vectors: Array) -> Array:
-    return np.linalg.norm(vectors, axis=-1)
+LINE = LOADED_ROPE | {"line_length": 10.0}
 
 
 def problems(problem: int) -> dict[str, np.ndarray]:

@@ -11,7 +11,7 @@ from cablesim.physics.stream import FRICTION_LAWS
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import REFERENCE, draw, read_table, relative_error, rows
-from tests.stream_check import check, loads_on, random_problems
+from tests.stream_check import ROPE, check, loads_on, norm, random_problems
 
 SOLVER = "stream_line"
 OUTPUTS = default_outputs(load_solver(SOLVER))
@@ -21,17 +21,6 @@ PROMISED = 1e-11
 SOUND = 1e-3
 # Ends are met to 1e-13 of the length; the tension of a taut line is as sure as its slack, of which that is a part.
 MET = 3e-13
-# A line in sea water without its shape, weight and stream.
-ROPE = {
-    "diameter": 0.02,
-    "normal_drag_coefficient": 1.2,
-    "tangential_drag_coefficient": 0.03,
-    "fluid_density": 1025.0,
-}
-
-
-def norm(vectors: Array) -> Array:
-    return np.linalg.norm(vectors, axis=-1)
 
 
 def without(line: dict[str, Array], *names: str) -> dict[str, Array]:
