@@ -78,6 +78,14 @@ class Node:
             )
         return text
 
+    def named_entries(self) -> dict[str, "Node"]:
+        """Its entries by names of the user's own, each safe as part of a file name."""
+        entries = self.mapping(optional=None)
+        for name, entry in entries.items():
+            if not is_name(name):
+                entry.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
+        return entries
+
     def choice(self, known: tuple[str, ...]) -> str:
         """One of the known words."""
         if not isinstance(self.value, str) or self.value not in known:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from cablesim.config.document import Node, is_name
+from cablesim.config.document import Node
 from cablesim.config.method import Method, find_series
 from cablesim.config.place_file import Wish, fixed_axes, place, read_point, read_wishes
 from cablesim.config.rehearsal import METHOD, Rehearsal
@@ -62,9 +62,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
         "audit": _read_audit,
     }
     figures = []
-    for name, entry in node.mapping(optional=None).items():
-        if not is_name(name):
-            entry.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
+    for name, entry in node.named_entries().items():
         kind = entry.mapping(("kind",), None)["kind"].choice(tuple(readers))
         figures.append(Figure(name, kind, readers[kind](entry, stage)))
     return tuple(figures)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cablesim import units
-from cablesim.config.document import Node, is_name
+from cablesim.config.document import Node
 from cablesim.config.place_file import Wish, positions, read_point
 from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.design import Axis
@@ -56,9 +56,7 @@ class PrintedTable:
 def read_printed_tables(node: Node, names: Rehearsal) -> tuple[PrintedTable, ...]:
     """The printed tables of a scene. Raises InputError naming file, line and key for what cannot be printed."""
     tables = []
-    for name, entry in node.mapping(optional=None).items():
-        if not is_name(name):
-            entry.fail(f"{name!r:.60} is not a name (letters, digits, underscores; starting with a letter)")
+    for name, entry in node.named_entries().items():
         if name in TAKEN:
             entry.fail(f"every scene has a table '{name}' of its own: choose another name")
         tables.append(_read_table(name, entry, names))

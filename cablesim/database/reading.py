@@ -51,6 +51,11 @@ def of_method(values: xr.DataArray, method: str) -> xr.DataArray:
     return values.sel({"method": str(method)}, drop=True)
 
 
+def of_only_method(values: xr.DataArray) -> xr.DataArray:
+    """Values without their method, where the scene has but one."""
+    return values.isel(method=0, drop=True) if "method" in values.dims else values
+
+
 def magnitude(values: xr.DataArray) -> xr.DataArray:
     """The absolute value of a number, the length of a vector."""
     if "component" not in values.dims:

@@ -6,6 +6,7 @@ lies in a folder named by a digest of all sources that hold numbers, and a chang
 
 import hashlib
 import os
+import stat
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -28,8 +29,17 @@ def cache_folder() -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:
-        return Path(tempfile.gettempdir()) / f"cablesim-{os.getuid()}" / folder.name
+        return _private_folder() / folder.name
     return folder
+
+
+def _private_folder() -> Path:
+    """A temporary folder that nobody else can write to: kernels in it are run as they are found."""
+    folder = Path(tempfile.gettempdir()) / f"cablesim-{os.getuid()}"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    found = folder.lstat()
+    is_ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022
+    return folder if is_ours else Path(tempfile.mkdtemp(prefix="cablesim-"))
 
 
 numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]

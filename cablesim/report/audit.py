@@ -16,7 +16,7 @@ import xarray as xr
 
 from cablesim.config.design_file import ROUNDINGS, last_digit
 from cablesim.config.scene import AGREES, ROUNDED_KEY, Published, Scene
-from cablesim.database.reading import evaluate
+from cablesim.database.reading import evaluate, of_only_method
 from cablesim.errors import InputError
 from cablesim.numerics import Array
 
@@ -103,8 +103,7 @@ def _readings(published: Published, dataset: xr.Dataset) -> list[Reading]:
 
 def _cells(published: Published, dataset: xr.Dataset, formula: str) -> Array:
     """A formula for every scenario along the scene's only axis."""
-    value = evaluate(dataset, formula, published.table)
-    value = value.isel(method=0, drop=True) if "method" in value.dims else value
+    value = of_only_method(evaluate(dataset, formula, published.table))
     if value.ndim != 1:
         raise InputError(f"'{formula}' must give one value for each row of {published.table.path}")
     return value.values

@@ -11,7 +11,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 
 from cablesim.config.figure_file import RUN_TIME, Figure
 from cablesim.config.scene import AGREES, MISPRINT, ROUNDED_KEY, Scene
-from cablesim.database.reading import evaluate, select
+from cablesim.database.reading import evaluate, of_only_method, select
 from cablesim.errors import InputError
 from cablesim.files import written_whole
 from cablesim.quantities import QUANTITIES, component_names
@@ -114,7 +114,7 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     value = evaluate(dataset, settings["value"])
     if "where" in settings:
         value = value.where(select(dataset, settings["where"]))
-    value = value.isel(method=0, drop=True) if "method" in value.dims else value
+    value = of_only_method(value)
     x, y = evaluate(dataset, settings["x"]), evaluate(dataset, settings["y"])
     missing, scenarios = int((~np.isfinite(value)).sum()), value.size
     # More cells than pixels cost time and show nothing.

@@ -10,7 +10,7 @@ from cablesim import units
 from cablesim.config.layout_file import PrintedTable
 from cablesim.config.rehearsal import METHOD
 from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, select
+from cablesim.database.reading import evaluate, of_only_method, select
 from cablesim.files import write_text
 
 NO_SOLUTION = "-"
@@ -47,16 +47,12 @@ def _values(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
     heads = {name: chosen[name] for name in printed.heads}
     cells = {name: evaluate(chosen, formula) for name, formula in printed.columns.items()}
     if METHOD not in printed.heads:
-        cells = {name: _of_only_method(value) for name, value in cells.items()}
+        cells = {name: of_only_method(value) for name, value in cells.items()}
     arrays = xr.broadcast(*heads.values(), *cells.values())
     table = pd.DataFrame({name: array.values.ravel() for name, array in zip({**heads, **cells}, arrays, strict=True)})
     for name, unit in printed.units.items():
         table[name] /= units.factor(unit, str(printed.base_unit(name)))
     return table
-
-
-def _of_only_method(value: xr.DataArray) -> xr.DataArray:
-    return value.isel(method=0, drop=True) if "method" in value.dims else value
 
 
 def _spread(printed: PrintedTable, table: pd.DataFrame) -> pd.DataFrame:

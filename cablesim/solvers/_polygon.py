@@ -15,7 +15,7 @@ from cablesim.solver import Solution
 from cablesim.solvers._stream_ends import force_between_ends
 from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, SolvedLine, StreamLine
 from cablesim.solvers._stream_march import march as exact_march
-from cablesim.solvers._stream_step import FARTHEST, LOWEST, PEAKS, REACHED, TENSION_PEAK, keep_peaks
+from cablesim.solvers._stream_step import FARTHEST, LOWEST, PEAKS, REACHED, TENSION_PEAK, keep_peaks, tension
 from cablesim.status import Status
 
 # The end is met to this part of the length; the exact line that Newton starts from is known to that part, too.
@@ -28,7 +28,7 @@ DIFFERENCE = 1e-7
 class Joints:
     """What a march over many lines has found: arrays of shape (scenario, ...).
 
-    `position` and `force` (scenario, 3) at B, `peaks` (scenario, 3, 4) as `_stream_march` has them, `profile` and
+    `position` and `force` (scenario, 3) at B, `peaks` (scenario, 3, 4) as `_stream_march.March` has them, `profile` and
     `profile_tension` (scenario, node, ...) at as many nodes as were asked for, `broken` where the method broke down.
     """
 
@@ -57,12 +57,11 @@ def note_joint(y, step, steps, line, before, peaks, profile, tensions):
     Nodes lie between joints on straight segments.
     """
     keep_peaks(y, line, peaks)
-    nodes = len(tensions)
-    tension, was = np.sqrt(y[0] ** 2 + y[1] ** 2 + y[2] ** 2), np.sqrt(before[0] ** 2 + before[1] ** 2 + before[2] ** 2)
+    nodes, now, was = len(tensions), tension(y), tension(before)
     first = int(np.floor((step - 1) * (nodes - 1) / steps)) + 1 if step > 0 else 0
     for node in range(first, int(np.floor(step * (nodes - 1) / steps)) + 1 if nodes > 0 else 0):
         share = node * steps / (nodes - 1) - (step - 1) if step > 0 else 1.0
-        tensions[node] = was + share * (tension - was)
+        tensions[node] = was + share * (now - was)
         for k in range(3):
             profile[node, k] = before[3 + k] + share * (y[3 + k] - before[3 + k])
     for k in range(PLAIN):

@@ -64,6 +64,20 @@ def test_a_place_that_cannot_be_written_is_replaced_by_a_temporary_one(
     assert cache_folder() == tmp_path / "elsewhere" / f"cablesim-{os.getuid()}" / named
 
 
+def test_a_temporary_folder_that_others_may_write_to_is_not_used(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file" / "cache"))
+    monkeypatch.setattr(module.tempfile, "gettempdir", lambda: str(tmp_path))
+    planted = tmp_path / f"cablesim-{os.getuid()}"
+    planted.mkdir()
+    planted.chmod(0o777)
+    chosen = cache_folder().parent
+    assert chosen != planted
+    assert chosen.stat().st_mode & 0o077 == 0
+
+
 def test_kernels_are_written_to_the_folder_of_their_sources(tmp_path: Path) -> None:
     """In a process of its own: the folder is chosen where the module is first imported."""
     program = "from cablesim.solvers import _pode_march as m; import numpy as n; m.logits(n.ones(1), n.zeros(1))"
