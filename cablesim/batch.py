@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cablesim.numerics import Array
-from cablesim.quantities import VECTOR, quantity
+from cablesim.quantities import LIST, VECTOR, quantity
 from cablesim.solver import Solution, Solver, load_solver
 from cablesim.status import Status
 
@@ -31,7 +31,8 @@ class Results:
 def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | None = None, outputs: Any = ()) -> Results:
     """Solve scenarios: `parameters` are scalars or arrays of one length, in SI; `outputs` defaults to all but profiles.
 
-    A vector is given as (3,), as (n, 3) or by its components (`force_A_x`, ...), a word as text.
+    A vector is given as (3,), as (n, 3) or by its components (`force_A_x`, ...), a word as text. A list (one number for
+    each section of the line) is given once for all scenarios, or as one list a scenario, which may differ in length.
     Raises InputError for anything unknown, missing or impossible in the request.
     """
     chosen = load_solver(solver)
@@ -41,8 +42,8 @@ def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | Non
 
 
 def default_outputs(solver: Solver) -> tuple[str, ...]:
-    """The outputs that are one number, or one vector, per scenario."""
-    return tuple(name for name in solver.outputs if quantity(name).dims in ((), VECTOR))
+    """The outputs that are one number, one vector or one number a section per scenario."""
+    return tuple(name for name in solver.outputs if quantity(name).dims in ((), VECTOR, LIST))
 
 
 def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]) -> Results:
@@ -57,7 +58,7 @@ def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...])
     for first in range(0, size, BLOCK):
         rows = slice(first, min(first + BLOCK, size))
         solution, found = _solve_block(solver, parameters.part(rows), options, outputs)
-        status[rows] = _final_status(solution.status, found)
+        status[rows] = _final_status(solution.status, [_own(name, v, parameters, rows) for name, v in found.items()])
         if solver.iterates:
             iterations[rows] = solution.iterations
         failed = np.flatnonzero(status[rows] != Status.ok)
@@ -78,11 +79,19 @@ def _solve_block(
         return solution, {name: getattr(solution.answer, name) for name in outputs}
 
 
-def _final_status(status: np.ndarray, found: dict[str, Array]) -> np.ndarray:
+def _own(name: str, value: Array, parameters: Any, rows: slice) -> Array:
+    """An output with 0 for the sections that a line does not have."""
+    if quantity(name).dims[:1] != LIST:
+        return value
+    missing = np.arange(value.shape[1]) >= parameters.sections[rows, None]
+    return np.where(missing.reshape(*missing.shape, *(1,) * (value.ndim - 2)), 0.0, value)
+
+
+def _final_status(status: np.ndarray, found: list[Array]) -> np.ndarray:
     """A number that is not finite is never a result, whatever the solver says of it."""
-    if all(np.isfinite(np.sum(value)) for value in found.values()):
+    if all(np.isfinite(np.sum(value)) for value in found):
         return status
     finite = np.ones(status.shape, dtype=bool)
-    for value in found.values():
+    for value in found:
         finite &= np.isfinite(value.reshape(len(value), -1)).all(axis=1) if value.ndim > 1 else np.isfinite(value)
     return np.where(finite | (status != Status.ok), status, Status.out_of_domain)

@@ -7,6 +7,8 @@
 import dataclasses
 import re
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -14,7 +16,7 @@ import numpy as np
 from cablesim import units
 from cablesim.errors import InputError, nearest
 from cablesim.numerics import Array
-from cablesim.quantities import COMPONENTS, component_names, is_vector, quantity
+from cablesim.quantities import COMPONENTS, component_names, is_list, is_vector, quantity
 
 # Beyond this no length, force or stiffness is physical, and squares of squares stay clear of overflow.
 LARGEST = 1e60
@@ -31,15 +33,20 @@ def parameter(
     instead_of: str | None = None,
     words: tuple[str, ...] = (),
     vector: bool = False,
+    listed: bool = False,
 ) -> Any:
-    """A field of `Parameters`: a number, a word (one of `words`) or a `vector` of three components.
+    """A field of `Parameters`: a number, a word (one of `words`), a `vector` of three components, or a list.
+
+    A `listed` parameter has one number for each section of the line, from A to B; all of a line have the same sections.
 
     `typical` is the range that property tests and sampling start from; `above` and `below` are open bounds, `at_least`
     and `at_most` closed ones; `instead_of` names the parameter that this one replaces: exactly one of the two is given.
     """
     bounds = {"above": above, "at_least": at_least, "below": below, "at_most": at_most}
-    metadata = {"typical": typical, "default": default, "instead_of": instead_of, "words": words, "vector": vector}
-    return field(default=default, metadata={**metadata, **bounds})
+    kind = {"words": words, "vector": vector, "listed": listed}
+    return field(
+        default=default, metadata={"typical": typical, "default": default, "instead_of": instead_of, **kind, **bounds}
+    )
 
 
 def option(
@@ -60,10 +67,11 @@ def option(
 class Batch:
     """Parameters of many scenarios, checked when they are made.
 
-    A number is a float array of shape (scenario,), a vector one of shape (scenario, 3), a word its position among the
-    declared words. Scalars and arrays of one length go together. `PROBLEMS` (optional) lists the groups of parameters
-    of which exactly one is given; the others are None. Raises InputError naming the parameter, its value and unit, how
-    many are wrong and which is the first.
+    A number is a float array of shape (scenario,), a vector one of shape (scenario, 3), a list one of shape (scenario,
+    section), NaN after the last section of a line, a word its position among the declared words. Scalars and arrays of
+    one length go together. `PROBLEMS` (optional) lists the groups of parameters of which exactly one is given; the
+    others are None. Raises InputError naming the parameter, its value and unit, how many are wrong and which is the
+    first.
     """
 
     PROBLEMS: ClassVar[tuple[tuple[str, ...], ...]] = ()
@@ -75,6 +83,7 @@ class Batch:
         size = common_length(arrays)
         for spec in given:
             spec.check(arrays[spec.name])
+        check_sections({spec.name: arrays[spec.name] for spec in given if spec.listed})
         for name, array in arrays.items():
             whole = np.broadcast_to(array, (size, *array.shape[1:]))
             object.__setattr__(self, name, np.ascontiguousarray(whole))
@@ -83,6 +92,12 @@ class Batch:
     def size(self) -> int:
         """The number of scenarios."""
         return next(len(v) for f in dataclasses.fields(self) if (v := getattr(self, f.name)) is not None)
+
+    @cached_property
+    def sections(self) -> np.ndarray:
+        """The number of sections of each line, of shape (scenario,), where there are listed parameters."""
+        lists = (getattr(self, spec.name) for spec in specs(type(self)) if spec.listed)
+        return count_sections(next(values for values in lists if values is not None))
 
     def part(self, rows: slice) -> Self:
         """Some of the scenarios, already checked."""
@@ -100,7 +115,10 @@ class NoOptions:
 
 @dataclass(frozen=True)
 class ParameterSpec:
-    """One parameter as declared: name, unit, bounds, words, default and what it may stand in for."""
+    """One parameter as declared: name, unit, bounds, words, default and what it may stand in for.
+
+    A column of a listed parameter has the number of its `section`; it is NaN where a line has fewer.
+    """
 
     name: str
     typical: tuple[float, float] | None
@@ -112,17 +130,20 @@ class ParameterSpec:
     at_least: float | None
     below: float | None
     at_most: float | None
+    listed: bool = False
+    section: int = 0
 
     @property
     def unit(self) -> str:
         return quantity(self.name).unit
 
-    @property
+    @cached_property
     def columns(self) -> tuple["ParameterSpec", ...]:
-        """The scalars that a design holds for it: itself, or the components of a vector."""
-        if not self.vector:
-            return (self,)
-        return tuple(replace(self, name=name, vector=False) for name in component_names(self.name))
+        """The scalars that a design holds for it: itself, the components of a vector or the sections of a list."""
+        names = component_names(self.name)
+        if self.listed:
+            return tuple(replace(self, name=name, listed=False, section=i) for i, name in enumerate(names, start=1))
+        return tuple(replace(self, name=name, vector=False) for name in names) if self.vector else (self,)
 
     def stored(self, value: float | str) -> float:
         """A value as a design holds it: a word by its position."""
@@ -133,22 +154,26 @@ class ParameterSpec:
         return np.array(self.words)[values.astype(int)] if self.words else values
 
     def read_text(self, text: str) -> Any:
-        """The value of a parameter given as text, as on the command line; the components of a vector have commas."""
+        """The value of a parameter given as text, as on the command line; vectors and lists have commas."""
         if self.words:
             return text
+        several = self.vector or self.listed
         try:
-            values = [units.to_si(part, self.unit) for part in (text.split(",") if self.vector else [text])]
+            values = [units.to_si(part, self.unit) for part in (text.split(",") if several else [text])]
         except InputError as problem:
             raise InputError(f"{self.name}: {problem}") from None
-        return values if self.vector else values[0]
+        return values if several else values[0]
 
     def read(self, value: Any) -> np.ndarray:
         """The value as an array with one entry per scenario; bounds are left to `check`.
 
-        Raises InputError for what is no number, for an unknown word and for a vector without its three components.
+        Raises InputError for what is no number, for an unknown word, for a vector without its three components and for
+        what is neither a list nor one list a scenario.
         """
         if self.words:
             return self._positions(value)
+        if self.listed:
+            return self._lists(value)
         try:
             array = np.asarray(value, dtype=float)
         except (TypeError, ValueError):
@@ -159,6 +184,31 @@ class ParameterSpec:
             found = array.shape[-1] if array.ndim else 1
             raise InputError(f"{self.name} must have three components ({', '.join(COMPONENTS)}): it has {found}")
         return np.atleast_2d(array)
+
+    def _lists(self, value: Any) -> Array:
+        """One list a row, NaN after the end of those that are shorter than the longest."""
+        try:
+            array = np.asarray(value, dtype=float)
+        except (TypeError, ValueError):
+            array = self._padded(value)
+        if array.ndim not in (1, 2):
+            found = f"an array of shape {array.shape}" if array.ndim else f"{array:g}"
+            raise InputError(f"{self.name} must be a list of numbers, or one list for each scenario, not {found}")
+        lists = np.atleast_2d(array)
+        longest = int(np.flatnonzero(~np.isnan(lists).all(axis=0)).max(initial=0)) + 1
+        return lists[:, :longest]
+
+    def _padded(self, value: Any) -> Array:
+        try:
+            rows = [np.asarray(row, dtype=float) for row in value]
+        except (TypeError, ValueError):
+            rows = []
+        if not rows or any(row.ndim != 1 for row in rows):
+            raise InputError(f"{self.name} must be numbers, not {value!r:.60}")
+        lengths = np.array([row.size for row in rows])
+        lists = np.full((len(rows), lengths.max()), np.nan)
+        lists[np.arange(lengths.max()) < lengths[:, None]] = np.concatenate(rows)
+        return lists
 
     def _positions(self, value: Any) -> np.ndarray:
         given = np.atleast_1d(np.asarray(value))
@@ -177,19 +227,38 @@ class ParameterSpec:
         return positions
 
     def check(self, values: np.ndarray) -> None:
-        """Raises InputError unless every value is finite, inside the declared bounds and of a physical magnitude."""
+        """Raises InputError unless every value is finite, inside the declared bounds and of a physical magnitude.
+
+        After the end of a list there is no value.
+        """
         if not values.size:
             raise InputError(f"{self.name} has no values")
         least, most = self._least, self._most
         # A NaN is the minimum of whatever it stands among, and no comparison with it holds.
         if values.min() >= least and values.max() <= most:
             return
-        good = ((values >= least) & (values <= most)).reshape(len(values), -1).all(axis=1)
+        each_good = ((values >= least) & (values <= most) | self._missing(values)).reshape(len(values), -1)
+        good = each_good.all(axis=1)
+        if good.all():
+            return
         first = int(np.argmin(good))
         count = f"{int((~good).sum())} of {good.size} are not (first: scenario {first}, " if good.size > 1 else "it is "
         closing = ")" if good.size > 1 else ""
-        shown = ", ".join(f"{value:g}" for value in np.atleast_1d(values[first]))
-        raise InputError(f"{self.name} must be {self.bounds}: {count}{shown}{self._shown_unit}{closing}")
+        shown = self._shown(values[first], int(np.argmin(each_good[first])))
+        raise InputError(f"{self.name} must be {self.bounds}: {count}{shown}{closing}")
+
+    def _missing(self, values: np.ndarray) -> np.ndarray:
+        """Where there need not be a value, because the line has ended before."""
+        missing = np.isnan(values) & (self.listed or self.section > 1)
+        if self.listed:
+            missing = np.logical_and.accumulate(missing[:, ::-1], axis=1)[:, ::-1]
+            missing[:, 0] = False
+        return missing
+
+    def _shown(self, value: np.ndarray, position: int) -> str:
+        if self.listed:
+            return f"{value[position]:g}{self._shown_unit} in section {position + 1}"
+        return ", ".join(f"{part:g}" for part in np.atleast_1d(value)) + self._shown_unit
 
     @property
     def limits(self) -> tuple[str, ...]:
@@ -272,39 +341,74 @@ def specs(parameters: type) -> tuple[ParameterSpec, ...]:
 def common_length(arrays: dict[str, np.ndarray]) -> int:
     """The number of scenarios in arrays by name. Raises InputError unless all have that length, or one."""
     sizes = {len(array) for array in arrays.values() if len(array) != 1}
-    if len(sizes) > 1 or any(array.ndim > 1 + is_vector(name) for name, array in arrays.items()):
+    if len(sizes) > 1 or any(_is_too_deep(name, array) for name, array in arrays.items()):
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
         raise InputError(f"parameters must be scalars or arrays of one length, not {shapes}")
     return max(sizes, default=1)
 
 
-def gather(parameters: type, values: dict[str, Any]) -> dict[str, Any]:
-    """Values by parameter, where some may be given by column: the components of a vector are put together.
+def _is_too_deep(name: str, array: np.ndarray) -> bool:
+    return array.ndim > 1 + (is_vector(name) or is_list(name))
 
-    Raises InputError for a vector that lacks a component, or that is given twice.
+
+def count_sections(lists: Array) -> np.ndarray:
+    """The number of sections of each line, from a listed parameter of shape (scenario, section)."""
+    return np.count_nonzero(~np.isnan(lists), axis=1)
+
+
+def check_sections(lists: dict[str, Array]) -> None:
+    """Raises InputError unless all lists of a line, by name, have the same number of sections."""
+    for first, second in pairwise(lists):
+        counts = np.broadcast_arrays(count_sections(lists[first]), count_sections(lists[second]))
+        differs = np.flatnonzero(counts[0] != counts[1])
+        if differs.size:
+            found = f"{counts[0][differs[0]]} and {counts[1][differs[0]]}"
+            of_many = f"{differs.size} of {counts[0].size} lines have not (first: scenario {differs[0]}, {found})"
+            detail = of_many if counts[0].size > 1 else f"they have {found}"
+            raise InputError(f"{first} and {second} must have the same number of sections: {detail}")
+
+
+def gather(parameters: type, values: dict[str, Any]) -> dict[str, Any]:
+    """Values by parameter, where some may be given by column: vectors and lists are put together.
+
+    Raises InputError for one that lacks a column, or that is given twice.
     """
     gathered = dict(values)
+    by_columns = given_by_columns(parameters, set(values))
     for spec in specs(parameters):
-        if spec.name in vectors_by_component(parameters, set(values)):
-            parts = {column.name: column.read(gathered.pop(column.name)) for column in spec.columns}
+        if spec.name in by_columns:
+            given = [column for column in spec.columns if column.name in values]
+            parts = {column.name: column.read(gathered.pop(column.name)) for column in given}
             size = common_length(parts)
             gathered[spec.name] = np.stack([np.broadcast_to(part, (size,)) for part in parts.values()], axis=-1)
     return gathered
 
 
-def vectors_by_component(parameters: type, given: set[str]) -> set[str]:
-    """The vectors whose components are given. Raises InputError for one that lacks any, or that is given twice."""
+def given_by_columns(parameters: type, given: set[str]) -> set[str]:
+    """The vectors and lists whose columns are given: all components, or the sections from the first to some last one.
+
+    Raises InputError for one that lacks any of them, or that is given twice.
+    """
     found = set()
     for spec in specs(parameters):
-        missing = [column.name for column in spec.columns if column.name not in given]
-        if not spec.vector or len(missing) == len(spec.columns):
+        present = [i for i, column in enumerate(spec.columns) if column.name in given]
+        if not (spec.vector or spec.listed) or not present:
             continue
         if spec.name in given:
-            raise InputError(f"{spec.name} is given twice: as a whole and by its components")
+            parts = "sections" if spec.listed else "components"
+            raise InputError(f"{spec.name} is given twice: as a whole and by its {parts}")
+        wanted = spec.columns[: present[-1] + 1] if spec.listed else spec.columns
+        missing = " and ".join(column.name for column in wanted if column.name not in given)
         if missing:
-            raise InputError(f"{spec.name} has three components: {' and '.join(missing)} must be given as well")
+            known = f"has {len(wanted)} sections" if spec.listed else "has three components"
+            raise InputError(f"{spec.name} {known}: {missing} must be given as well")
         found.add(spec.name)
     return found
+
+
+def nearest_parameter(name: str, parameters: dict[str, ParameterSpec]) -> str:
+    """A phrase that helps whoever mistyped `name`; the many columns of lists are not among the names it tells."""
+    return nearest(name, [known for known, spec in parameters.items() if not spec.section])
 
 
 def problem_words(parameters: type[Batch]) -> str:

@@ -11,7 +11,10 @@ from cablesim.errors import InputError, nearest
 
 @dataclass(frozen=True)
 class Quantity:
-    """`dims` are the dimensions a value has within one scenario: none for a scalar, `component` for a vector."""
+    """`dims` are the dimensions that a value has within one scenario.
+
+    None for a number, `component` for a vector, `section` for a list with a number for each section of the line.
+    """
 
     name: str
     symbol: str
@@ -29,6 +32,9 @@ class Quantity:
 
 COMPONENTS = ("x", "y", "z")
 VECTOR = ("component",)
+LIST = ("section",)
+# As many sections can a line in a design have; through Python there is no limit.
+MOST_SECTIONS = 100
 
 TABLE = (
     # parameters of a hanging line
@@ -58,6 +64,15 @@ TABLE = (
     Quantity("depth", "Z", "m", "height of end B above end A"),
     Quantity("force_A", r"\mathbf{F}_A", "N", "tension times tangent at end A, tangent from A to B", ("component",)),
     Quantity("position_B", r"\mathbf{r}_B", "m", "position of end B from end A", ("component",)),
+    # parameters of a line of sections
+    Quantity("section_length", r"\ell", "m", "length of each section, from A to B", LIST),
+    Quantity(
+        "section_weight",
+        "w",
+        "N m-1",
+        "weight per length of each section, less buoyancy if submerged, from A to B",
+        LIST,
+    ),
     # what a hanging line answers
     Quantity("catenary_parameter", "a", "m", "horizontal tension over weight per length; radius at the vertex"),
     Quantity("horizontal_tension", "H", "N", "horizontal component of the tension, the same all along the line"),
@@ -72,6 +87,13 @@ TABLE = (
     Quantity("stretched_length", "L_s", "m", "length of the line under its tension"),
     Quantity("profile", "r", "m", "position along the line, from A to B", ("node", "component")),
     Quantity("profile_tension", "T", "N", "tension along the line, at the nodes of its profile", ("node",)),
+    Quantity(
+        "joint_tension",
+        "T_j",
+        "N",
+        "tension at the end of each section that is nearer to B; that of the last is tension_B",
+        LIST,
+    ),
     Quantity("sag_limit_ratio", "(L/l)_d", "1", "largest length ratio at which the sag is within the permitted error"),
     Quantity("tension_limit_ratio", "(L/l)_T", "1", "largest length ratio at which the largest tension is within it"),
     # what a line in a stream answers
@@ -105,9 +127,25 @@ def is_vector(name: str) -> bool:
     return name in QUANTITIES and QUANTITIES[name].dims == VECTOR
 
 
-def component_names(name: str) -> tuple[str, ...]:
-    """The scalars that a name stands for: "force_A_x", "force_A_y", "force_A_z" for a vector, else itself."""
+def is_list(name: str) -> bool:
+    """Whether a quantity is a list for each scenario, with one number a section."""
+    return name in QUANTITIES and QUANTITIES[name].dims == LIST
+
+
+def component_names(name: str, sections: int = MOST_SECTIONS) -> tuple[str, ...]:
+    """The scalars that a name stands for; itself where it is one.
+
+    "force_A_x", "force_A_y" and "force_A_z" for a vector, "section_length_1", "section_length_2", ... for a list.
+    """
+    if is_list(name):
+        return tuple(f"{name}_{section}" for section in range(1, sections + 1))
     return tuple(f"{name}_{component}" for component in COMPONENTS) if is_vector(name) else (name,)
+
+
+def section_number(name: str) -> int:
+    """The section of a list that a name stands for: 2 for "section_length_2"; 0 for any other name."""
+    head, _, number = name.rpartition("_")
+    return int(number) if is_list(head) and name in QUANTITIES else 0
 
 
 def quantity(name: str) -> Quantity:
@@ -119,20 +157,23 @@ def quantity(name: str) -> Quantity:
 
 
 def _with_components(row: Quantity) -> tuple[Quantity, ...]:
-    """A row and, for a vector, those of its components."""
-    if row.dims != VECTOR:
-        return (row,)
-    parts = (
-        replace(
-            row,
-            name=f"{row.name}_{component}",
-            symbol=f"({row.symbol})_{component}",
-            meaning=f"{component} component of {row.name}, {row.meaning}",
-            dims=(),
-        )
-        for component in COMPONENTS
+    """A row and, for a vector or a list, those of its components or sections."""
+    if row.dims == VECTOR:
+        return (row, *(_part(row, component, f"{component} component of {row.name}") for component in COMPONENTS))
+    if row.dims == LIST:
+        numbers = map(str, range(1, MOST_SECTIONS + 1))
+        return (row, *(_part(row, number, f"{row.name} of section {number}") for number in numbers))
+    return (row,)
+
+
+def _part(row: Quantity, part: str, meaning: str) -> Quantity:
+    return replace(
+        row,
+        name=f"{row.name}_{part}",
+        symbol=f"({row.symbol})_{{{part}}}",
+        meaning=f"{meaning}, {row.meaning}",
+        dims=(),
     )
-    return (row, *parts)
 
 
 QUANTITIES = {row.name: row for entry in TABLE for row in _with_components(entry)}

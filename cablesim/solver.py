@@ -1,6 +1,6 @@
 """What a solver is: a module in `cablesim/solvers/` with `Parameters`, `solve` and `OUTPUTS`.
 
-    Parameters   a frozen dataclass on `Batch`: one array per parameter, one entry per scenario
+    Parameters   a frozen dataclass on `Batch`: one array per parameter, one entry per scenario (a list: one row)
     Options      (optional) a frozen dataclass of numerical options; the default is none
     OUTPUTS      the names of what it can answer, all rows of the table of quantities
     SECONDS_PER_SCENARIO   a measured cost, from which shards are sized
@@ -31,9 +31,10 @@ from cablesim.parameters import (
     ParameterSpec,
     check_given,
     gather,
+    given_by_columns,
+    nearest_parameter,
     problem_words,
     specs,
-    vectors_by_component,
 )
 
 PACKAGE = Path(__file__).parent
@@ -44,7 +45,8 @@ FOLDER = PACKAGE / "solvers"
 class Solution:
     """What `solve` returns: the fate of every scenario, and an object with one attribute for each output.
 
-    `status` and `iterations` have shape (scenario,), an output (scenario, ...).
+    `status` and `iterations` have shape (scenario,), an output (scenario, ...). One over `section` is as wide as the
+    listed parameters, and NaN after the last section of a line.
     """
 
     status: np.ndarray
@@ -87,12 +89,12 @@ class Solver:
 
     @cached_property
     def columns(self) -> dict[str, ParameterSpec]:
-        """The parameters as designs hold them: scalars, a vector by its components."""
+        """The parameters as designs hold them: scalars, a vector by its components, a list by its sections."""
         return {column.name: column for spec in self.parameters.values() for column in spec.columns}
 
     @cached_property
     def names(self) -> dict[str, ParameterSpec]:
-        """Every name by which a parameter, or a component of one, may be given."""
+        """Every name by which a parameter, or a component or section of one, may be given."""
         return {**self.parameters, **self.columns}
 
     @property
@@ -106,9 +108,9 @@ class Solver:
         return {f.name: OptionSpec(f.name, f.default, **f.metadata) for f in fields}
 
     def parameter(self, name: str) -> ParameterSpec:
-        """A parameter, or a component of one, as declared. Raises InputError, with the nearest names, if unknown."""
+        """A parameter, or a part of one, as declared. Raises InputError, with the nearest names, if unknown."""
         if name not in self.names:
-            raise InputError(f"{self.name} has no parameter '{name}': {nearest(name, self.names)}")
+            raise InputError(f"{self.name} has no parameter '{name}': {nearest_parameter(name, self.names)}")
         return self.names[name]
 
     def make_parameters(self, values: dict[str, Any]) -> Any:
@@ -121,7 +123,7 @@ class Solver:
 
     def check_columns(self, names: set[str]) -> None:
         """Raises InputError unless these columns of a design, and the defaults, are all that it needs."""
-        whole = vectors_by_component(self.module.Parameters, names)
+        whole = given_by_columns(self.module.Parameters, names)
         check_given(self.module.Parameters, whole | {name for name in names if name in self.parameters})
 
     def from_columns(self, columns: dict[str, Any]) -> Any:
