@@ -73,6 +73,10 @@ TABLE = (
         "weight per length of each section, less buoyancy if submerged, from A to B",
         LIST,
     ),
+    # parameters of a line of equal strength
+    Quantity("strength_length", "k", "m", "permitted stress over weight per volume, less buoyancy if submerged"),
+    Quantity("force_ratio", "r", "1", "horizontal force on the line over the force that it was designed for"),
+    Quantity("arc_fraction", "s/L", "1", "position along the line: arc length from end A over the length of the line"),
     # what a hanging line answers
     Quantity("catenary_parameter", "a", "m", "horizontal tension over weight per length; radius at the vertex"),
     Quantity("horizontal_tension", "H", "N", "horizontal component of the tension, the same all along the line"),
@@ -81,6 +85,7 @@ TABLE = (
     Quantity("max_tension", r"T_{\max}", "N", "largest tension in the line"),
     Quantity("sag", "d", "m", "largest vertical distance of the line below the chord between its supports"),
     Quantity("drop", "f", "m", "depth of the vertex of the curve below the upper support"),
+    Quantity("horizontal_distance", "X", "m", "horizontal distance from end A to end B"),
     Quantity(
         "vertex_x", "x_v", "m", "horizontal position of the vertex from support A; outside 0..span if not on the line"
     ),
@@ -96,6 +101,45 @@ TABLE = (
     ),
     Quantity("sag_limit_ratio", "(L/l)_d", "1", "largest length ratio at which the sag is within the permitted error"),
     Quantity("tension_limit_ratio", "(L/l)_T", "1", "largest length ratio at which the largest tension is within it"),
+    # what a line of equal strength answers
+    Quantity(
+        "area_ratio_A", "A_A/A_0", "1", "cross-section at end A over the one that carries the horizontal force alone"
+    ),
+    Quantity(
+        "area_ratio_B", "A_B/A_0", "1", "cross-section at end B over the one that carries the horizontal force alone"
+    ),
+    Quantity(
+        "saved_weight_fraction",
+        r"\eta_w",
+        "1",
+        "weight saved against an equally long line as thick as the thicker end everywhere, over the weight of that",
+    ),
+    Quantity("weight_over_force", "W/H", "1", "weight of the line over its horizontal force"),
+    Quantity(
+        "profile_area_ratio",
+        "A/A_0",
+        "1",
+        "cross-section at the nodes of the profile over the one that carries the horizontal force alone",
+        ("node",),
+    ),
+    Quantity(
+        "profile_weight",
+        "W_s/H",
+        "1",
+        "weight of the line from end A to a node of its profile over its horizontal force",
+        ("node",),
+    ),
+    Quantity("stress_ratio", r"\sigma_s/\sigma", "1", "stress at the arc fraction over the permitted stress"),
+    Quantity("stress_ratio_A", r"\sigma_A/\sigma", "1", "stress at end A over the permitted stress"),
+    Quantity("stress_ratio_B", r"\sigma_B/\sigma", "1", "stress at end B over the permitted stress"),
+    Quantity("max_stress_ratio", r"\sigma_{\max}/\sigma", "1", "largest stress in the line over the permitted stress"),
+    Quantity(
+        "profile_stress_ratio",
+        r"\sigma_s/\sigma",
+        "1",
+        "stress at the nodes of the profile over the permitted stress",
+        ("node",),
+    ),
     # what a line in a stream answers
     Quantity("tau", r"\tau", "1", "tension over the tension at the reference angle"),
     Quantity("sigma", r"\sigma", "1", "dimensionless length of the line from the reference angle"),
