@@ -25,6 +25,7 @@ bench: .venv/test  ## Speed against named alternatives; prints tables.
 
 references: .venv/test  ## Recompute the high-precision references of the tests.
 	$(BIN)/python tests/reference/make_catenary_references.py
+	$(BIN)/python tests/reference/make_composite_references.py
 	$(BIN)/python tests/reference/make_stream_references.py
 
 lock:  ## Resolve the dependencies anew (needs uv).
