@@ -33,6 +33,8 @@ class Quantity:
 COMPONENTS = ("x", "y", "z")
 VECTOR = ("component",)
 LIST = ("section",)
+# Dimensions of what is answered unasked and has an error; profiles are too long for that.
+SHORT = ((), VECTOR, LIST)
 # As many sections can a line in a design have; through Python there is no limit.
 MOST_SECTIONS = 100
 
@@ -77,6 +79,13 @@ TABLE = (
     Quantity("strength_length", "k", "m", "permitted stress over weight per volume, less buoyancy if submerged"),
     Quantity("force_ratio", "r", "1", "horizontal force on the line over the force that it was designed for"),
     Quantity("arc_fraction", "s/L", "1", "position along the line: arc length from end A over the length of the line"),
+    Quantity("horizontal_distance", "x_B", "m", "horizontal distance from end A to end B"),
+    # parameters of a tow line in waves
+    Quantity("hook_pull", "F_r", "N", "pull at the towing hook in calm water"),
+    Quantity("breaking_strength", r"P", "N", "tension at which the tow line breaks; half of it is allowed in a jerk"),
+    Quantity("distance_calm", r"AB", "m", "horizontal distance between the ships in calm water"),
+    Quantity("distance_jerk", r"A'B'", "m", "horizontal distance between the ships at half the breaking strength"),
+    Quantity("wire_modulus", r"\varepsilon", "Pa", "tension per unit strain of the wire over its diameter squared"),
     # what a hanging line answers
     Quantity("catenary_parameter", "a", "m", "horizontal tension over weight per length; radius at the vertex"),
     Quantity("horizontal_tension", "H", "N", "horizontal component of the tension, the same all along the line"),
@@ -99,6 +108,22 @@ TABLE = (
         "tension at the end of each section that is nearer to B; that of the last is tension_B",
         LIST,
     ),
+    Quantity(
+        "joint_position",
+        r"\mathbf{r}_j",
+        "m",
+        "position from end A of the end of each section that is nearer to B; that of the last is end B",
+        ("section", "component"),
+    ),
+    Quantity("profile_section", "i", "1", "number of the section that a node is in, 1 at end A", ("node",)),
+    Quantity("vertex_s", "s_v", "m", "length of line from end A to where it is level, or would be if it went on"),
+    Quantity(
+        "vertex_section", "i_v", "1", "section in which the line is level; 0 before A, their number plus 1 past B"
+    ),
+    # what a tow line in waves answers
+    Quantity("elastic_elongation", r"\Delta_e", "m", "elongation of the wire from calm to jerk"),
+    Quantity("weight_elongation", r"\Delta_w", "m", "by how much the ships part, the line being pulled straighter"),
+    Quantity("wave_height", "h", "m", "height of the waves, from trough to crest"),
     Quantity("sag_limit_ratio", "(L/l)_d", "1", "largest length ratio at which the sag is within the permitted error"),
     Quantity("tension_limit_ratio", "(L/l)_T", "1", "largest length ratio at which the largest tension is within it"),
     # what a line of equal strength answers
@@ -186,10 +211,15 @@ def component_names(name: str, sections: int = MOST_SECTIONS) -> tuple[str, ...]
     return tuple(f"{name}_{component}" for component in COMPONENTS) if is_vector(name) else (name,)
 
 
+def list_name(name: str) -> str:
+    """The list that a name is a part of: "section_length" for "section_length_2"; empty for any other name."""
+    head = name.rpartition("_")[0]
+    return head if is_list(head) and name in QUANTITIES else ""
+
+
 def section_number(name: str) -> int:
     """The section of a list that a name stands for: 2 for "section_length_2"; 0 for any other name."""
-    head, _, number = name.rpartition("_")
-    return int(number) if is_list(head) and name in QUANTITIES else 0
+    return int(name.rpartition("_")[2]) if list_name(name) else 0
 
 
 def quantity(name: str) -> Quantity:

@@ -11,6 +11,13 @@ from cablesim.numerics import Array
 SPLITTER = 2.0**27 + 1.0
 
 
+def two_sum(a: Array, b: Array) -> tuple[Array, Array]:
+    """a + b as (rounded sum, rounding error), exactly, whichever is larger."""
+    total = a + b
+    shared = total - a
+    return total, (a - (total - shared)) + (b - shared)
+
+
 def two_product(a: Array, b: Array) -> tuple[Array, Array]:
     """a * b as (rounded product, rounding error), exactly while nothing overflows or underflows."""
     product = a * b

@@ -1,0 +1,24 @@
+"""Composite line as one catenary: every section given the mean weight per length of the line.
+
+The right answer for a line whose sections all weigh the same per length. With chain at one end, the vertex lies too far
+from it and the sag is too small; `composite_line` is exact.
+
+Reference: the approximation that a composite line is usually first estimated with; docs/models.md, M8.
+"""
+
+import numpy as np
+
+from cablesim.solver import Solution
+from cablesim.solvers._composite_line import OUTPUTS, Options, solve_exactly, total_length
+from cablesim.solvers._composite_line import TowLine as Parameters
+
+__all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
+
+SECONDS_PER_SCENARIO = 5e-6
+ITERATES = True
+COMPILED = True
+
+
+def solve(p: Parameters, options: Options) -> Solution:
+    mean = np.nansum(p.section_weight * p.section_length, axis=1) / total_length(p)
+    return solve_exactly(p, np.where(np.isnan(p.section_length), np.nan, mean[:, None]), options)
