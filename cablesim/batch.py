@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cablesim.numerics import Array
-from cablesim.quantities import LIST, VECTOR, quantity
+from cablesim.quantities import LIST, SHORT, quantity
 from cablesim.solver import Solution, Solver, load_solver
 from cablesim.status import Status
 
@@ -43,7 +43,7 @@ def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | Non
 
 def default_outputs(solver: Solver) -> tuple[str, ...]:
     """The outputs that are one number, one vector or one number a section per scenario."""
-    return tuple(name for name in solver.outputs if quantity(name).dims in ((), VECTOR, LIST))
+    return tuple(name for name in solver.outputs if quantity(name).dims in SHORT)
 
 
 def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]) -> Results:

@@ -292,12 +292,16 @@ def _plain(value: Any) -> Any:
 
 
 def _shown(name: str, value: Any) -> str:
-    from cablesim.quantities import is_vector
+    from cablesim.quantities import SHORT, quantity
 
-    if is_vector(name):
-        return ", ".join(_shown("", component) for component in value)
+    if isinstance(value, list) and quantity(name).dims in SHORT:
+        return ", ".join(_number(part) for part in value)
     if isinstance(value, list):
-        return f"{len(value)} nodes"
+        return f"{len(value)} {quantity(name).dims[0]}s"
+    return _number(value)
+
+
+def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.8g}"
 
 

@@ -30,6 +30,7 @@ def _parameters(solver: Solver) -> list[str]:
     for spec in solver.parameters.values():
         notes = [" and ".join(spec.limits)] if spec.limits else []
         notes += [f"vector {', '.join(COMPONENTS)}"] if spec.vector else []
+        notes += ["list, one number a section"] if spec.listed else []
         notes += [f"one of {', '.join(spec.words)}"] if spec.words else []
         notes += [f"default {_default(spec.default)}"] if spec.default is not None else []
         notes += [f"instead of {spec.instead_of}"] if spec.instead_of else []
