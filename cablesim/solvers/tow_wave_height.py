@@ -3,8 +3,9 @@
     h = Delta_e + Delta_w,  Delta_e = (T' - T) L / (epsilon d^2),  Delta_w = A'B' - AB                     (M9)
 
 T is the pull at the hook in calm water and T' half the breaking strength, both taken as horizontal tensions; L is the
-length of wire that stretches and d its diameter. The distances AB at T and A'B' at T' are given, as the handbook does;
-or they are computed, exactly and between ends at one level, from the lengths and weights of the line's sections.
+length of the wire, which alone stretches, and d its diameter. The distances AB at T and A'B' at T' are given, as the
+handbook does; or the sections of the line are, the first of them the wire, and both distances are computed from their
+lengths and weights, exactly and between ends at one level.
 
 Infeasible where half the breaking strength is no more than the pull, or where the given distance is less in the jerk
 than in calm water. The handbook's modulus of steel wire is 36 kN/mm^2 per mm^2 of diameter squared.
@@ -41,7 +42,7 @@ class Parameters(Batch):
     distance_jerk: Array = parameter(above=0.0, typical=(3e2, 9e2))
     section_length: Array = parameter(listed=True, above=0.0, typical=(1e1, 5e2))
     section_weight: Array = parameter(listed=True, above=0.0, typical=(5e1, 1e3))
-    PROBLEMS: ClassVar = (("distance_calm", "distance_jerk"), ("section_length", "section_weight"))
+    PROBLEMS: ClassVar = (("line_length", "distance_calm", "distance_jerk"), ("section_length", "section_weight"))
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ class Answer:
     @cached_property
     def elastic_elongation(self) -> Array:
         p = self.p
-        pulls = 0.5 * p.breaking_strength - p.hook_pull
-        return pulls * p.line_length / (p.wire_modulus * p.diameter * p.diameter)
+        wire = p.section_length[:, 0] if p.line_length is None else p.line_length
+        return (0.5 * p.breaking_strength - p.hook_pull) * wire / (p.wire_modulus * p.diameter * p.diameter)
 
     @cached_property
     def weight_elongation(self) -> Array:
