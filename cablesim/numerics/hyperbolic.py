@@ -38,6 +38,12 @@ def cosh_excess(x: Array) -> Array:
     return 2.0 * half * half
 
 
+def log_cosh(x: Array) -> Array:
+    """log(cosh(x)), also where cosh overflows."""
+    size = np.abs(x)
+    return np.where(size < 1.0, np.log1p(cosh_excess(size)), size + np.log1p(np.exp(-2.0 * size)) - np.log(2.0))
+
+
 def asinh_increment(start: Array, step: Array) -> Array:
     """asinh(start + step) - asinh(start), for a step however small beside the start.
 

@@ -13,6 +13,7 @@ from cablesim.numerics.hyperbolic import (
     cosh_excess,
     cosh_sinhc_difference,
     inverse_sinhc_excess,
+    log_cosh,
     sinhc_excess,
 )
 
@@ -27,6 +28,7 @@ TEXTBOOK = {
     sinhc_excess: lambda x: mp.sinh(x) / x - 1,
     cosh_sinhc_difference: lambda x: mp.cosh(x) - mp.sinh(x) / x,
     cosh_excess: lambda x: mp.cosh(x) - 1,
+    log_cosh: lambda x: mp.log(mp.cosh(x)),
 }
 
 
@@ -38,7 +40,9 @@ def worst_error(found: Array, exact: Callable[..., mp.mpf], *arguments: Array) -
 
 
 # Just above the limit of the series, sinh(x)/x - 1 = 0.18 has lost a factor of 6 to cancellation.
-@pytest.mark.parametrize(("function", "units"), [(sinhc_excess, 6.0), (cosh_sinhc_difference, 4.0), (cosh_excess, 2.0)])
+@pytest.mark.parametrize(
+    ("function", "units"), [(sinhc_excess, 6.0), (cosh_sinhc_difference, 4.0), (cosh_excess, 2.0), (log_cosh, 4.0)]
+)
 def test_no_digits_are_lost_at_any_argument(function: Callable[[Array], Array], units: float) -> None:
     assert worst_error(function(ARGUMENTS), TEXTBOOK[function], ARGUMENTS) <= units * EPS
 
