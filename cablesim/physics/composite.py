@@ -159,8 +159,9 @@ class CompositeLine:
 
     @staticmethod
     def _embedded(plane: Array) -> Array:
-        """x and z as x, y and z."""
-        return np.stack([plane[..., 0], np.zeros_like(plane[..., 0]) + 0.0 * plane[..., 0], plane[..., 1]], axis=-1)
+        """x and z as x, y and z; y is missing where they are."""
+        x, z = plane[..., 0], plane[..., 1]
+        return np.stack([x, np.where(np.isnan(x), np.nan, 0.0), z], axis=-1)
 
 
 @compiled

@@ -10,12 +10,14 @@ outwards; for taut lines it is measured from the direction of the chord, Y = V -
 comes from what the line is longer than its chord, summed section by section.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.exact import excess_of_squares, two_sum
-from cablesim.physics.composite import tension_less, turn_excess
+from cablesim.physics.composite import extent, tension_less, turn_excess
 
 # Lines with k below this are measured from their chord.
 TAUT = 1.1
@@ -82,6 +84,29 @@ def _rooms(total: Array, tail: Array, rise: Array) -> tuple[Array, Array]:
     return less + (less_tail + tail), more + (more_tail + tail)
 
 
+class Place(NamedTuple):
+    """The rise of B above A, and the length of the line less and plus it."""
+
+    rise: float
+    above: float
+    below: float
+
+
+class Chord(NamedTuple):
+    """What a taut line is measured from: its distance, its chord, how much longer it is than that, and its length.
+
+    All zero for a line that is not taut.
+    """
+
+    distance: float
+    length: float
+    slack: float
+    total: float
+
+
+NOT_TAUT = Chord(0.0, 0.0, 0.0, 0.0)
+
+
 @compiled
 def _solve_heights(
     lengths, weights, sections, rise, above, below, horizontal, feasible, vertical, converged, evaluations
@@ -89,10 +114,10 @@ def _solve_heights(
     for i in range(sections.size):
         if feasible[i]:
             n = sections[i]
-            line, heavy, found = lengths[i, :n], weights[i, :n], vertical[i, : n + 1]
-            place = (rise[i], above[i], below[i])
-            _start_height(line, heavy, place, horizontal[i], 0.0, found)
-            converged[i], evaluations[i] = _meet_height(line, heavy, place, NOT_TAUT, horizontal[i], found)
+            line, heavy, state = lengths[i, :n], weights[i, :n], vertical[i, : n + 1]
+            place = Place(rise[i], above[i], below[i])
+            _start_height(line, heavy, place, horizontal[i], 0.0, state)
+            converged[i], evaluations[i] = _meet_height(line, heavy, place, NOT_TAUT, horizontal[i], state)
 
 
 @compiled
@@ -103,44 +128,42 @@ def _solve_distances(
     for i in range(sections.size):
         if feasible[i]:
             n = sections[i]
-            place = (rise[i], above[i], below[i])
-            horizontal[i], converged[i], evaluations[i] = _meet_distance(
-                lengths[i, :n], weights[i, :n], place, distance[i], excess[i], total[i], vertical[i, : n + 1]
-            )
-
-
-# A taut line is told by its distance, its chord, the length beyond the chord, and its length; nothing, if not taut.
-NOT_TAUT = (0.0, 0.0, 0.0, 0.0)
+            line, heavy, state = lengths[i, :n], weights[i, :n], vertical[i, : n + 1]
+            place, chord = Place(rise[i], above[i], below[i]), NOT_TAUT
+            log_ratio = 0.5 * np.log1p(excess[i] / (distance[i] * distance[i]))
+            if log_ratio < np.log(TAUT):
+                across = np.sqrt(distance[i] * distance[i] + rise[i] * rise[i])
+                chord = Chord(distance[i], across, excess[i] / (total[i] + across), total[i])
+            horizontal[i], converged[i], evaluations[i] = _meet_distance(line, heavy, place, chord, log_ratio, state)
+            for j in range(state.size):
+                state[j] += _slope(place, chord) * horizontal[i]
 
 
 @compiled
-def _meet_distance(line, heavy, place, distance, excess, total, state):
-    """Find H; leaves the vertical tensions in `state`. Returns H, whether it converged, and evaluations."""
-    rise, above, below = place
-    wanted_log = 0.5 * np.log1p(excess / (distance * distance))
-    wanted = _straightness(wanted_log)
-    taut, slope = NOT_TAUT, 0.0
-    if wanted_log < np.log(TAUT):
-        chord = np.sqrt(distance * distance + rise * rise)
-        taut, slope = (distance, chord, excess / (total + chord), total), rise / distance
-    lean = rise / np.sqrt(above) / np.sqrt(below) - slope
-    horizontal = _start_tension(line, heavy, place, wanted, total)
-    _start_height(line, heavy, place, horizontal, slope, state)
+def _slope(place, chord):
+    """The slope of what the state is measured from."""
+    return place.rise / chord.distance if chord.distance > 0.0 else 0.0
+
+
+@compiled
+def _meet_distance(line, heavy, place, chord, log_ratio, state):
+    """H with the wanted log k. Returns also whether it was found, and evaluations; leaves the state of that H."""
+    wanted = _straightness(log_ratio)
+    lean = place.rise / np.sqrt(place.above) / np.sqrt(place.below) - _slope(place, chord)
+    horizontal = _start_tension(line, heavy, place, wanted)
+    _start_height(line, heavy, place, horizontal, _slope(place, chord), state)
     low, high, width, step, before, evaluations = 0.0, np.inf, np.inf, 0.0, 0.0, 0
     for count in range(DISTANCE_STEPS):
-        met, used = _meet_height(line, heavy, place, taut, horizontal, state)
+        met, used = _meet_height(line, heavy, place, chord, horizontal, state)
         evaluations += used
         if not met:
-            return horizontal, False, evaluations
-        off = _straightness(_log_ratio(line, heavy, place, taut, horizontal, state)) - wanted
+            break
+        off = _straightness(_log_ratio(line, heavy, place, chord, horizontal, state)) - wanted
         if off > 0.0:
             low = horizontal
         else:
             high = horizontal
-        secant = (off - before) / step if count > 0 else -1.0
-        if not STEEPEST < secant < FLATTEST:
-            secant = -1.0
-        before, step = off, min(max(-off / secant, -LONGEST_STEP), LONGEST_STEP)
+        step, before = _secant_step(off, before, step), off
         done = abs(step) <= TENSION_STEP
         if low > 0.0 and high < np.inf and not done:
             to_low, to_high = np.log(low / horizontal), np.log(high / horizontal)
@@ -155,11 +178,18 @@ def _meet_distance(line, heavy, place, distance, excess, total, state):
             state[j] += lean * (grown - horizontal)
         horizontal = grown
         if done:
-            met, used = _meet_height(line, heavy, place, taut, horizontal, state)
-            for j in range(state.size):
-                state[j] += slope * horizontal
+            met, used = _meet_height(line, heavy, place, chord, horizontal, state)
             return horizontal, met, evaluations + used
     return horizontal, False, evaluations
+
+
+@compiled
+def _secant_step(off, before, step):
+    """The step in log H that leads to zero on the line through the last two points; with slope -1 from the first."""
+    slope = (off - before) / step if step != 0.0 else -1.0
+    if not STEEPEST < slope < FLATTEST:
+        slope = -1.0
+    return min(max(-off / slope, -LONGEST_STEP), LONGEST_STEP)
 
 
 @compiled
@@ -170,9 +200,9 @@ def _straightness(log_ratio):
 
 
 @compiled
-def _start_tension(line, heavy, place, straightness, total):
+def _start_tension(line, heavy, place, straightness):
     """H of the uniform line that, pulled taut, would be as long: its weight is sqrt(12) standard deviations of V."""
-    _, above, below = place
+    total = 0.5 * (place.above + place.below)
     mean, square, hung = 0.0, 0.0, 0.0
     for j in range(line.size):
         weight = heavy[j] * line[j]
@@ -185,22 +215,21 @@ def _start_tension(line, heavy, place, straightness, total):
         square += line[j] * (hung * hung + hung * weight + weight * weight / 3.0)
         hung += weight
     spread = np.sqrt(12.0 * square / total)
-    return spread * np.sqrt(above) * np.sqrt(below) / (2.0 * total * np.exp(straightness))
+    return spread * np.sqrt(place.above) * np.sqrt(place.below) / (2.0 * total * np.exp(straightness))
 
 
 @compiled
 def _start_height(line, heavy, place, horizontal, slope, state):
     """Vertical tensions as if the line were taut, or, where it is slack, as if it hung straight down to its vertex."""
-    rise, above, below = place
-    hung, moment, total = 0.0, 0.0, 0.0
+    hung, moment = 0.0, 0.0
     for j in range(line.size):
         weight = heavy[j] * line[j]
         moment += line[j] * (hung + 0.5 * weight)
         hung += weight
-        total += line[j]
-    start = horizontal * rise / np.sqrt(above) / np.sqrt(below) - moment / total
+    lean, total = place.rise / np.sqrt(place.above) / np.sqrt(place.below), 0.5 * (place.above + place.below)
+    start = horizontal * lean - moment / total
     if horizontal < 0.25 * hung:
-        start, left = 0.0, 0.5 * above
+        start, left = 0.0, 0.5 * place.above
         for j in range(line.size):
             length = min(left, line[j])
             start -= heavy[j] * length
@@ -211,24 +240,21 @@ def _start_height(line, heavy, place, horizontal, slope, state):
 
 
 @compiled
-def _meet_height(line, heavy, place, taut, horizontal, state):
+def _meet_height(line, heavy, place, chord, horizontal, state):
     """Move the vertical tensions until B is at its height. Returns whether it is, and evaluations."""
-    rise, above, below = place
-    slope = rise / taut[0] if taut[0] > 0.0 else 0.0
-    hung = 0.0
+    slope, hung = _slope(place, chord), 0.0
     for j in range(line.size):
         hung += heavy[j] * line[j]
-    lean = rise / np.sqrt(above) / np.sqrt(below)
-    room = above if rise > 0.0 else below
-    total = 0.5 * (above + below)
+    lean, total = place.rise / np.sqrt(place.above) / np.sqrt(place.below), 0.5 * (place.above + place.below)
+    room = min(place.above, place.below)
     # Where the bracket ends, from the state: the same for every joint, and as fine as the least of them.
     to_high = horizontal * (lean - slope) - state[0]
     to_low = to_high - hung
     margin = 1e-9 * (hung + abs(to_high) + abs(state[0]))
     to_low, to_high = to_low - margin, to_high + margin
     for count in range(HEIGHT_STEPS):
-        if taut[0] > 0.0:
-            gap, rate = _taut_gap(line, heavy, place, taut, horizontal, state)
+        if chord.distance > 0.0:
+            gap, rate = _taut_gap(line, heavy, place, chord, horizontal, state)
             step = -gap / rate
         else:
             gap, rate, upward, downward = _gap(line, heavy, place, horizontal, state)
@@ -243,31 +269,43 @@ def _meet_height(line, heavy, place, taut, horizontal, state):
             to_high = 0.0
         else:
             to_low = 0.0
-        least = 0
-        for j in range(state.size):
-            if abs(state[j]) < abs(state[least]):
-                least = j
+        least = _least(state)
         upright = state[least] + slope * horizontal
         enough = HEIGHT_STEP * np.sqrt(horizontal * horizontal + upright * upright)
-        done = abs(step) <= enough or (abs(gap) <= ROUNDING * room and taut[0] == 0.0)
+        done = abs(step) <= enough or (abs(gap) <= ROUNDING * room and chord.distance == 0.0)
         # A step right to the end of the bracket would come back from there: slopes change at once at H = 0.
         if not INSIDE * to_low < step < INSIDE * to_high and not done:
             step = 0.5 * (to_low + to_high)
         to_low, to_high = to_low - step, to_high - step
-        state[least] += step
-        for j in range(least, line.size):
-            state[j + 1] = state[j] + heavy[j] * line[j]
-        for j in range(least, 0, -1):
-            state[j - 1] = state[j] - heavy[j - 1] * line[j - 1]
+        _shift(line, heavy, state, least, step)
         if done:
             return True, count + 1
     return False, HEIGHT_STEPS
 
 
 @compiled
+def _least(state):
+    """The joint where the state is nearest to zero."""
+    least = 0
+    for j in range(state.size):
+        if abs(state[j]) < abs(state[least]):
+            least = j
+    return least
+
+
+@compiled
+def _shift(line, heavy, state, joint, step):
+    """Change the state at a joint, and sum it anew from there outwards."""
+    state[joint] += step
+    for j in range(joint, line.size):
+        state[j + 1] = state[j] + heavy[j] * line[j]
+    for j in range(joint, 0, -1):
+        state[j - 1] = state[j] - heavy[j - 1] * line[j - 1]
+
+
+@compiled
 def _gap(line, heavy, place, horizontal, state):
     """z - rise, dz/dV, length less z and length plus z."""
-    rise, above, below = place
     upward, downward, rate = 0.0, 0.0, 0.0
     square = horizontal * horizontal
     v_1 = state[0]
@@ -280,7 +318,7 @@ def _gap(line, heavy, place, horizontal, state):
         downward += share * (tension_less(t_1, -v_1, horizontal) + tension_less(t_2, -v_2, horizontal))
         rate += share * _rate(square, v_1, v_2, t_1, t_2)
         v_1, t_1 = v_2, t_2
-    gap = above - upward if rise > 0.0 else downward - below
+    gap = place.above - upward if place.rise > 0.0 else downward - place.below
     return gap, rate, upward, downward
 
 
@@ -294,19 +332,17 @@ def _rate(square, v_1, v_2, t_1, t_2):
 
 
 @compiled
-def _taut_gap(line, heavy, place, taut, horizontal, state):
+def _taut_gap(line, heavy, place, chord, horizontal, state):
     """z - rise and dz/dV of a taut line."""
-    rise, distance, chord = place[0], taut[0], taut[1]
-    offset, deficit, rate = _taut_sums(line, heavy, rise, taut, horizontal, state)
-    along, across = distance / chord, rise / chord
-    return along * offset + across * (taut[2] - deficit), rate
+    offset, deficit, rate = _taut_sums(line, heavy, place, chord, horizontal, state)
+    return (chord.distance * offset + place.rise * (chord.slack - deficit)) / chord.length, rate
 
 
 @compiled
-def _taut_sums(line, heavy, rise, taut, horizontal, state):
+def _taut_sums(line, heavy, place, chord, horizontal, state):
     """How far B is off the chord, across it, how much shorter the line reaches along it than it is long, and dz/dV."""
-    along, across = taut[0] / taut[1], rise / taut[1]
-    slope, square = rise / taut[0], horizontal * horizontal
+    along, across = chord.distance / chord.length, place.rise / chord.length
+    slope, square = _slope(place, chord), horizontal * horizontal
     offset, deficit, rate = 0.0, 0.0, 0.0
     v_1 = state[0] + slope * horizontal
     t_1 = np.sqrt(square + v_1 * v_1)
@@ -331,21 +367,13 @@ def _lost(across, along, tension):
 
 
 @compiled
-def _log_ratio(line, heavy, place, taut, horizontal, state):
+def _log_ratio(line, heavy, place, chord, horizontal, state):
     """log k of the line as it hangs, B being at its height."""
-    rise, above, below = place
-    if taut[0] > 0.0:
-        distance, chord, _, total = taut
-        offset, deficit, _ = _taut_sums(line, heavy, rise, taut, horizontal, state)
-        x = (distance * (total - deficit) - rise * offset) / chord
-        return 0.5 * np.log1p((deficit * (2.0 * total - deficit) - offset * offset) / (x * x))
-    x, square = 0.0, horizontal * horizontal
-    v_1 = state[0]
-    t_1 = np.sqrt(square + v_1 * v_1)
+    if chord.distance > 0.0:
+        offset, deficit, _ = _taut_sums(line, heavy, place, chord, horizontal, state)
+        x = (chord.distance * (chord.total - deficit) - place.rise * offset) / chord.length
+        return 0.5 * np.log1p((deficit * (2.0 * chord.total - deficit) - offset * offset) / (x * x))
+    x = 0.0
     for j in range(line.size):
-        v_2 = state[j + 1]
-        t_2 = np.sqrt(square + v_2 * v_2)
-        turn = turn_excess(horizontal, v_1, v_2, t_1, t_2, heavy[j] * line[j])
-        x += 2.0 * line[j] * horizontal / (t_1 + t_2) * (1.0 + turn)
-        v_1, t_1 = v_2, t_2
-    return 0.5 * (np.log(above / x) + np.log(below / x))
+        x += extent(line[j], heavy[j] * line[j], horizontal, state[j], state[j + 1])[0]
+    return 0.5 * (np.log(place.above / x) + np.log(place.below / x))
