@@ -5,6 +5,7 @@ a sample is a single axis `scenario` along which all its parameters vary. So one
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,7 +17,10 @@ SCENARIO = "scenario"
 
 @dataclass(frozen=True)
 class Axis:
-    """`columns`: the parameters that vary along it, in SI, all of one length. `labels`: what else names its points."""
+    """`columns`: the parameters that vary along it, in SI, all of one length. `labels`: what else names its points.
+
+    A list has a column for each section, NaN where a line has fewer.
+    """
 
     name: str
     columns: dict[str, Array]
@@ -34,7 +38,14 @@ class Axis:
     def key(self) -> np.ndarray:
         """One comparable value for each point, the bytes of its parameters: equal means equal to the last bit."""
         rows = np.column_stack([self.columns[name] for name in sorted(self.columns)]) + 0.0
+        # Zeros of either sign are equal, and so are NaN of any bits.
+        rows[np.isnan(rows)] = np.nan
         return np.ascontiguousarray(rows).view(np.dtype((np.void, rows.shape[1] * 8))).ravel()
+
+    def padded(self, names: Iterable[str]) -> "Axis":
+        """The axis with columns of these names too: NaN where it had none, as sections that no line has."""
+        missing = {name: np.full(self.size, np.nan) for name in names if name not in self.columns}
+        return Axis(self.name, {**self.columns, **missing})
 
     def only(self, parameters: set[str]) -> "Axis | None":
         """The axis without the parameters that a method does not have; None if none is left."""

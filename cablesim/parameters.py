@@ -231,7 +231,7 @@ class ParameterSpec:
 
         After the end of a list there is no value.
         """
-        if not values.size:
+        if not values.size or (self.section and np.isnan(values).all()):
             raise InputError(f"{self.name} has no values")
         least, most = self._least, self._most
         # A NaN is the minimum of whatever it stands among, and no comparison with it holds.

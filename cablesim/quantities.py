@@ -4,6 +4,7 @@ Parameters, netCDF attributes, `cablesim describe` and figure axes all read this
 Units are spelled as CF (UDUNITS) wants them. A new solver adds a line for each quantity that is new.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cablesim.errors import InputError, nearest
@@ -220,6 +221,11 @@ def list_name(name: str) -> str:
 def section_number(name: str) -> int:
     """The section of a list that a name stands for: 2 for "section_length_2"; 0 for any other name."""
     return int(name.rpartition("_")[2]) if list_name(name) else 0
+
+
+def most_sections(names: Iterable[str]) -> int:
+    """The largest number of a section among names; 0 where none stands for a section of a list."""
+    return max(map(section_number, names), default=0)
 
 
 def quantity(name: str) -> Quantity:

@@ -19,7 +19,7 @@ import numpy as np
 from cablesim.config.method import Method
 from cablesim.config.scene import Scene
 from cablesim.design import Axis
-from cablesim.quantities import COMPONENTS, quantity
+from cablesim.quantities import COMPONENTS, quantity, section_number
 from cablesim.sources import source_digest
 
 # A job pays about a second for its start; ten seconds of work keep that below a tenth.
@@ -106,7 +106,7 @@ def _plan_method(scene: Scene, method: Method, known: tuple[Recipe, ...]) -> Met
         if placement is not None and open_points[np.ix_(*placement.target)].any():
             open_points[np.ix_(*placement.target)] = False
             placements.append(placement)
-    limit = scenarios_per_shard(method, scene.outputs)
+    limit = scenarios_per_shard(method, scene.outputs, scene.sections)
     for block in _blocks(open_points, limit):
         taken = tuple(axis.take(points) for axis, points in zip(axes, block, strict=True))
         recipe = Recipe(blank.solver, blank.sources, blank.options, blank.outputs, blank.fixed, taken)
@@ -115,16 +115,16 @@ def _plan_method(scene: Scene, method: Method, known: tuple[Recipe, ...]) -> Met
     return MethodPlan(method.name, tuple(i for i, _ in own), tuple(placements))
 
 
-def scenarios_per_shard(method: Method, outputs: tuple[str, ...]) -> int:
+def scenarios_per_shard(method: Method, outputs: tuple[str, ...], sections: int) -> int:
     """How many scenarios are worth a job: by the solver's measured cost, and by the memory its outputs take."""
-    numbers = numbers_per_scenario(outputs, int(method.options.get("nodes", 1)))
+    numbers = numbers_per_scenario(outputs, int(method.options.get("nodes", 1)), sections)
     by_time = SECONDS_PER_SHARD / method.solver.seconds_per_scenario
     return max(1, int(min(by_time, MOST_SCENARIOS, MOST_BYTES / (8 * max(numbers, 1)))))
 
 
-def numbers_per_scenario(outputs: tuple[str, ...], nodes: int) -> int:
+def numbers_per_scenario(outputs: tuple[str, ...], nodes: int, sections: int) -> int:
     """How many numbers the outputs of one scenario are."""
-    sizes = {"node": nodes, "component": len(COMPONENTS)}
+    sizes = {"node": nodes, "component": len(COMPONENTS), "section": sections}
     return sum(math.prod(sizes[dim] for dim in quantity(name).dims) for name in outputs)
 
 
@@ -147,11 +147,11 @@ def _answers(recipe: Recipe, blank: Recipe) -> bool:
 
 def _place(recipe: Recipe, fixed: dict[str, float], axes: tuple[Axis, ...]) -> Placement | None:
     """Where a known shard meets the design; None where it does not."""
-    by_columns = {frozenset(axis.columns): i for i, axis in enumerate(recipe.axes)}
+    by_parameters = {_parameters(axis): i for i, axis in enumerate(recipe.axes)}
     left = dict(recipe.fixed)
     position, source, target = [], [], []
     for axis in axes:
-        theirs = by_columns.pop(frozenset(axis.columns), -1)
+        theirs = by_parameters.pop(_parameters(axis), -1)
         if theirs >= 0:
             shard_axis = recipe.axes[theirs]
         elif set(axis.columns) <= set(left):
@@ -164,14 +164,21 @@ def _place(recipe: Recipe, fixed: dict[str, float], axes: tuple[Axis, ...]) -> P
         position.append(theirs)
         source.append(in_theirs)
         target.append(in_ours)
-    if by_columns or left != fixed:
+    if by_parameters or left != fixed:
         return None
     return Placement(recipe, tuple(position), tuple(source), tuple(target))
 
 
+def _parameters(axis: Axis) -> frozenset[str]:
+    """What tells an axis from others; lists by their first section, whatever the longest list there has."""
+    return frozenset(name for name in axis.columns if section_number(name) < 2) or frozenset(axis.columns)
+
+
 def _meet(theirs: Axis, ours: Axis) -> tuple[np.ndarray, np.ndarray]:
     """Positions of the points that two axes share: in theirs, and in ours."""
-    if theirs.size == ours.size and all(np.array_equal(theirs.columns[n], ours.columns[n]) for n in ours.columns):
+    theirs, ours = theirs.padded(ours.columns), ours.padded(theirs.columns)
+    pairs = ((theirs.columns[name], values) for name, values in ours.columns.items())
+    if theirs.size == ours.size and all(np.array_equal(one, other, equal_nan=True) for one, other in pairs):
         everywhere = np.arange(ours.size)
         return everywhere, everywhere
     _, in_theirs, in_ours = np.intersect1d(theirs.key, ours.key, assume_unique=False, return_indices=True)

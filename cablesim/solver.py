@@ -25,11 +25,13 @@ from typing import Any
 import numpy as np
 
 from cablesim.errors import InputError, nearest
+from cablesim.numerics import Array
 from cablesim.parameters import (
     NoOptions,
     OptionSpec,
     ParameterSpec,
     check_given,
+    check_sections,
     gather,
     given_by_columns,
     nearest_parameter,
@@ -125,6 +127,14 @@ class Solver:
         """Raises InputError unless these columns of a design, and the defaults, are all that it needs."""
         whole = given_by_columns(self.module.Parameters, names)
         check_given(self.module.Parameters, whole | {name for name in names if name in self.parameters})
+
+    def check_lists(self, columns: dict[str, Array]) -> None:
+        """Raises InputError unless the lists in these columns of a design are whole, and as long as each other."""
+        parts = {name: values for name, values in columns.items() if self.columns[name].section}
+        lists = {name: self.parameters[name].read(v) for name, v in gather(self.module.Parameters, parts).items()}
+        for name, values in lists.items():
+            self.parameters[name].check(values)
+        check_sections(lists)
 
     def from_columns(self, columns: dict[str, Any]) -> Any:
         """A batch from the columns of a design, in which a word is a number."""

@@ -12,8 +12,8 @@ from cablesim.config.table import Table, read_table
 from cablesim.design import SCENARIO, Axis, Design
 from cablesim.errors import InputError, nearest
 from cablesim.numerics import Array
-from cablesim.parameters import ParameterSpec
-from cablesim.quantities import COMPONENTS, component_names
+from cablesim.parameters import ParameterSpec, nearest_parameter
+from cablesim.quantities import COMPONENTS, MOST_SECTIONS, component_names
 
 MOST_SCENARIOS = 200_000_000
 # Generated axis values are rounded to this many significant digits, so that 1.01 means 1.01 and not its neighbour.
@@ -70,6 +70,8 @@ def _check_size(node: Node, size: int) -> None:
 
 def read_values(nodes: list[Node], spec: ParameterSpec) -> Columns:
     """The values of a parameter, one a node, as the columns that a design holds."""
+    if spec.listed:
+        return _read_lists(nodes, spec)
     points = np.array([_read_value(node, spec) for node in nodes])
     return {column.name: values for column, values in zip(spec.columns, points.T.copy(), strict=True)}
 
@@ -85,13 +87,25 @@ def _read_value(node: Node, spec: ParameterSpec) -> tuple[float, ...]:
     return tuple(entry.number(spec.unit) for entry in entries)
 
 
+def _read_lists(nodes: list[Node], spec: ParameterSpec) -> Columns:
+    """A column for each section, NaN where a list has ended."""
+    for node in nodes:
+        if len(node.sequence()) > MOST_SECTIONS:
+            node.fail(f"{len(node.sequence())} sections are too many: at most {MOST_SECTIONS}")
+    lists = spec.read([[entry.number(spec.unit) for entry in node.sequence()] for node in nodes])
+    return {column.name: values for column, values in zip(spec.columns, lists.T.copy(), strict=False)}
+
+
 def check_values(node: Node, spec: ParameterSpec, columns: Columns) -> None:
     """Raises InputError, with the place, unless every column of a parameter is within its bounds."""
     for column in spec.columns:
-        node.located(column.check, columns[column.name])
+        if column.name in columns:
+            node.located(column.check, columns[column.name])
 
 
 def _read_axis(node: Node, spec: ParameterSpec) -> Columns:
+    if spec.listed:
+        node.fail(f"an axis has no whole lists: vary one section, as {spec.name}_2, or give the lists as cases")
     if isinstance(node.value, list):
         columns = read_values(node.sequence(), spec)
     elif spec.words or spec.vector:
@@ -288,13 +302,15 @@ def _stretch(node: Node, spec: ParameterSpec, unit_values: Array) -> Array:
 
 def _spec(node: Node, name: str, parameters: Specs) -> ParameterSpec:
     if name not in parameters:
-        node.fail(f"no method has a parameter '{name}': {nearest(name, parameters)}")
+        node.fail(f"no method has a parameter '{name}': {nearest_parameter(name, parameters)}")
     return parameters[name]
 
 
 def _column_spec(node: Node, name: str, parameters: Specs) -> ParameterSpec:
-    """A parameter that is one column; a vector is asked for its components."""
+    """A parameter that is one column; a vector is asked for its components, a list for its sections."""
     spec = _spec(node, name, parameters)
+    if spec.listed:
+        node.fail(f"'{name}' is a list: give {', '.join(component_names(name, 2))}, ...")
     if spec.vector:
         node.fail(f"'{name}' is a vector: give {', '.join(component_names(name))}")
     return spec

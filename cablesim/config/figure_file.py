@@ -12,6 +12,12 @@ from cablesim.quantities import VECTOR, quantity
 
 RUN_TIME = "run_time"
 VIEWS = ("xz", "xy", "yz")
+# What the picture of a line's sections shows: which of them a node is in, where they meet, and where the line is lowest.
+SECTION_OUTPUTS = ("profile_section", "joint_position", "lowest_point")
+# Where colour tells sections apart, the curves of a panel have only their dashes.
+MOST_DASHES = 4
+MOST_ACROSS = 6
+AUTOMATIC = "auto"
 
 
 @dataclass(frozen=True)
@@ -132,15 +138,65 @@ def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
 
 def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
     """Panels, one for each value of `at`; in each a curve for each value of `each` and for each method."""
-    keys = node.mapping(("kind",), ("at", "each", "point", "methods", "view", "points", "x_label", "y_label"))
-    panels = read_wishes(keys["at"], stage.names) if "at" in keys else [None]
+    look = ("view", "points", "x_label", "y_label", "titles", "across", "stretch", "colour", "names")
+    keys = node.mapping(("kind",), ("at", "each", "point", "methods", *look))
+    wishes = read_wishes(keys["at"], stage.names) if "at" in keys else [None]
+    headings = _read_titles(keys, [wish.words if wish else "" for wish in wishes])
+    shapes = [_shapes(node, keys, wish, stage) for wish in wishes]
+    methods = _read_methods(keys, stage)
     return {
-        "panels": [(panel.words if panel else "", _shapes(node, keys, panel, stage)) for panel in panels],
-        "methods": _read_methods(keys, stage),
+        "panels": list(zip(headings, shapes, strict=True)),
+        "across": keys["across"].whole(1, MOST_ACROSS) if "across" in keys else len(wishes),
+        "methods": methods,
         "view": keys["view"].choice(VIEWS) if "view" in keys else "xz",
+        "stretch": _read_stretch(keys["stretch"]) if "stretch" in keys else 1.0,
+        "sections": _read_sections(keys, len(shapes[0]) * len(methods), stage),
         "points": _read_points(keys["points"], stage) if "points" in keys else None,
         **_texts(keys, ("x_label", "y_label")),
     }
+
+
+def _read_titles(keys: dict[str, Node], headings: list[str]) -> list[str]:
+    """What stands above the panels: words of the scene's own, else the value of each."""
+    if "titles" not in keys:
+        return headings
+    titles = [entry.text(60) for entry in keys["titles"].sequence()]
+    if len(titles) != len(headings):
+        keys["titles"].fail(f"a title for each panel is expected: {len(headings)}, not {len(titles)}")
+    return titles
+
+
+def _read_stretch(node: Node) -> float | None:
+    """By how much heights are drawn too large; None where each panel has a factor of its own."""
+    if node.value == AUTOMATIC:
+        return None
+    factor = node.number("1")
+    if factor <= 0.0:
+        node.fail(f"a number > 0, or {AUTOMATIC}, is expected, not {factor:g}")
+    return factor
+
+
+def _read_sections(keys: dict[str, Node], curves: int, stage: Stage) -> tuple[str, ...] | None:
+    """What the sections of the line are called, from A to B; None where they are not told apart."""
+    if "colour" not in keys:
+        if "names" in keys:
+            keys["names"].fail("names are those of sections: they need 'colour: section'")
+        return None
+    keys["colour"].choice(("section",))
+    missing = [name for name in SECTION_OUTPUTS if name not in stage.names.outputs]
+    if missing:
+        keys["colour"].fail(
+            f"sections are drawn from the outputs {', '.join(SECTION_OUTPUTS)}: {missing[0]} is missing"
+        )
+    if curves > MOST_DASHES:
+        keys["colour"].fail(f"at most {MOST_DASHES} curves a panel can be told apart by dashes, not {curves}")
+    count = stage.names.sections
+    if "names" not in keys:
+        return tuple(f"section {number}" for number in range(1, count + 1))
+    names = tuple(entry.text(60) for entry in keys["names"].sequence())
+    if len(names) != count:
+        keys["names"].fail(f"a name for each section is expected: {count}, not {len(names)}")
+    return names
 
 
 def _read_spatial(node: Node, stage: Stage) -> dict[str, Any]:

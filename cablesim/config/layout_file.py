@@ -133,8 +133,8 @@ def _read_position(node: Node, wishes: list[Wish], table: PrintedTable, names: R
 def _check_distinct(node: Node, axis: Axis, shown: list[str]) -> None:
     if axis.name in shown:
         return
-    points = np.column_stack([axis.columns[name] for name in shown])
-    if len(np.unique(points, axis=0)) < axis.size:
+    points = Axis(axis.name, {name: axis.columns[name] for name in shown})
+    if np.unique(points.key).size < axis.size:
         node.fail(f"several scenarios have the same {' and '.join(shown)}: name more parameters")
 
 

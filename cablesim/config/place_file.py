@@ -101,4 +101,4 @@ def _nearest_value(name: str, held: dict[str, Array], asked: dict[str, Array]) -
     if name not in held:
         return ""
     values = held[name]
-    return f": the nearest is {values[np.abs(values - asked[name]).argmin()]:.12g} in SI"
+    return f": the nearest is {values[np.nanargmin(np.abs(values - asked[name]))]:.12g} in SI"

@@ -6,6 +6,7 @@ dimensions of a formula can be read off the shape of its value. Nothing is solve
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from cablesim.design import SCENARIO, Design
 from cablesim.errors import InputError, nearest
 from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
 from cablesim.parameters import ParameterSpec
-from cablesim.quantities import component_names, quantity
+from cablesim.quantities import LIST, component_names, is_list, list_name, most_sections, quantity
 from cablesim.status import Status
 
 METHOD = "method"
@@ -45,14 +46,20 @@ class Rehearsal:
         if head == "table" and self.table is not None and tail in self.table.columns:
             return Term(self._along((SCENARIO,)), BARE)
         if head:
-            return self._output(tail, ()) if head in self.methods and tail in self._answers else None
+            return self._output(tail, ()) if head in self.methods and tail in self.answers else None
         if name == METHOD:
             return Term(self._words((METHOD,), self.methods), WORDS, self.methods)
         if name == "status":
             words = tuple(status.name for status in Status)
             return Term(self._words(self._scenario_dims, words), WORDS, words)
-        if name in self._answers:
+        if name in self.answers:
             return self._output(name, (METHOD,))
+        if name in LIST and self.sections:
+            return Term(self._along(LIST), BARE)
+        if is_list(name) and f"{name}_1" in self._given:
+            return Term(self._along((*self._along_list(name), *LIST)), quantity(name).unit)
+        if list_name(name) and name in self._given and name not in self._dims:
+            return self._parameter(name, tuple(set(self._along_list(list_name(name))) & {SCENARIO}))
         for axis in self.design.axes:
             if name in axis.columns:
                 return self._parameter(name, (axis.name,))
@@ -63,19 +70,34 @@ class Rehearsal:
                 return Term(self._words((axis.name,), words), WORDS, words)
         return self._parameter(name, ()) if name in self.fixed else None
 
-    @property
-    def _answers(self) -> tuple[str, ...]:
-        """The outputs, vectors also by their components, and the run time."""
-        components = (name for output in self.outputs for name in component_names(output))
+    @cached_property
+    def sections(self) -> int:
+        """The largest number of sections of a line."""
+        return most_sections(self._given)
+
+    @cached_property
+    def answers(self) -> tuple[str, ...]:
+        """The outputs, vectors and lists also by their parts, and the run time."""
+        components = (name for output in self.outputs for name in component_names(output, self.sections))
         return tuple(dict.fromkeys((*self.outputs, *components, "run_time")))
 
-    @property
-    def _dims(self) -> tuple[str, ...]:
-        return (METHOD, *(axis.name for axis in self.design.axes), "node", "component")
+    @cached_property
+    def _given(self) -> set[str]:
+        return self.design.parameters | set(self.fixed)
 
     @property
     def _scenario_dims(self) -> tuple[str, ...]:
-        return self._dims[:-2]
+        return (METHOD, *(axis.name for axis in self.design.axes))
+
+    @property
+    def _dims(self) -> tuple[str, ...]:
+        return (*self._scenario_dims, *LIST, "node", "component")
+
+    def _along_list(self, name: str) -> tuple[str, ...]:
+        """The axes along which any section of a list varies."""
+        return tuple(
+            axis.name for axis in self.design.axes if any(list_name(column) == name for column in axis.columns)
+        )
 
     def _parameter(self, name: str, dims: tuple[str, ...]) -> Term:
         words = self.parameters[name].words
@@ -104,5 +126,5 @@ class Rehearsal:
     @property
     def _names(self) -> list[str]:
         varying = [name for axis in self.design.axes for name in (axis.name, *axis.columns, *axis.labels)]
-        qualified = [f"{method}.{answer}" for method in self.methods for answer in self._answers]
-        return [*self._answers, *qualified, *varying, *self.fixed, METHOD, "status"]
+        qualified = [f"{method}.{answer}" for method in self.methods for answer in self.answers]
+        return [*self.answers, *qualified, *varying, *self.fixed, METHOD, "status"]

@@ -16,7 +16,8 @@ from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table, read_table
 from cablesim.design import Design
 from cablesim.errors import InputError, nearest
-from cablesim.quantities import component_names, quantity
+from cablesim.parameters import nearest_parameter
+from cablesim.quantities import component_names, most_sections, quantity, section_number
 from cablesim.solver import load_solver
 
 # What the cells of an audited table are called; the last one may be called otherwise.
@@ -80,6 +81,11 @@ class Scene:
         return self.design.size
 
     @cached_property
+    def sections(self) -> int:
+        """The largest number of sections that a line of the scene has; 0 where no parameter is a list."""
+        return most_sections(self.design.parameters | set(self.fixed))
+
+    @cached_property
     def digest(self) -> str:
         """Digest of the scene file and the tables it names."""
         digest = hashlib.sha256(self.path.read_bytes())
@@ -101,9 +107,10 @@ def read_scene(path: Path) -> Scene:
     fixed = _read_fixed(keys["fixed"], parameters, design) if "fixed" in keys else {}
     outputs = _read_outputs(keys["outputs"], methods)
     _check_methods(keys["methods"], methods, design, fixed, outputs)
+    _check_lists(keys, methods, design, fixed)
     _check_not_given(keys["outputs"], outputs, design.parameters | set(fixed))
-    reference = _read_reference(keys["reference"], methods, outputs, design) if "reference" in keys else None
     names = Rehearsal(design, fixed, parameters, tuple(method.name for method in methods), outputs)
+    reference = _read_reference(keys["reference"], names) if "reference" in keys else None
     published = _read_published(keys["published"], names) if "published" in keys else None
     points = published.table if published else reference.table if reference else None
     stage = Stage(names, methods, reference.method if reference else None, points, audited=published is not None)
@@ -147,14 +154,16 @@ def _read_method(name: str, node: Node) -> Method:
         {key: entry.value for key, entry in keys["options"].mapping(optional=None).items()} if "options" in keys else {}
     )
     made = keys.get("options", node).located(solver.make_options, options)
-    ignores = _read_ignores(keys["ignores"]) if "ignores" in keys else frozenset()
+    ignores = frozenset(name for entry in _ignored(node) for name in component_names(entry.text()))
     for ignored in ignores & set(solver.columns):
         keys["ignores"].fail(f"{solver.name} has the parameter '{ignored}': it cannot ignore it")
     return Method(name, solver, {option: getattr(made, option) for option in solver.options}, ignores)
 
 
-def _read_ignores(node: Node) -> frozenset[str]:
-    return frozenset(name for entry in node.sequence() for name in component_names(entry.text()))
+def _ignored(method: Node) -> list[Node]:
+    """The parameters that a method says it ignores."""
+    keys = method.mapping(optional=None)
+    return keys["ignores"].sequence() if "ignores" in keys else []
 
 
 def _parameters(node: Node, methods: tuple[Method, ...]) -> Specs:
@@ -170,7 +179,7 @@ def _read_fixed(node: Node, parameters: Specs, design: Design) -> dict[str, floa
     fixed: dict[str, float] = {}
     for name, entry in node.mapping(optional=None).items():
         if name not in parameters:
-            entry.fail(f"no method has a parameter '{name}': {nearest(name, parameters)}")
+            entry.fail(f"no method has a parameter '{name}': {nearest_parameter(name, parameters)}")
         columns = read_values([entry], parameters[name])
         for column in columns:
             if column in design.parameters:
@@ -194,12 +203,12 @@ def _read_outputs(node: Node, methods: tuple[Method, ...]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _read_reference(node: Node, methods: tuple[Method, ...], outputs: tuple[str, ...], design: Design) -> Reference:
+def _read_reference(node: Node, names: Rehearsal) -> Reference:
     if isinstance(node.value, str):
-        return Reference(method=node.choice(tuple(method.name for method in methods)))
+        return Reference(method=node.choice(names.methods))
     keys = node.mapping(("table",), ("columns",))
     table = read_table(keys["table"])
-    scalars = [name for output in outputs for name in component_names(output) if not quantity(name).dims]
+    scalars = [name for name in names.answers if not quantity(name).dims]
     if "columns" in keys:
         columns = {name: entry.text() for name, entry in keys["columns"].mapping(optional=None).items()}
         for name in columns:
@@ -211,7 +220,8 @@ def _read_reference(node: Node, methods: tuple[Method, ...], outputs: tuple[str,
         node.fail("no column of the table is an output of this scene: say which with columns: {output: formula}")
     for output, formula in columns.items():
         node.located(table.evaluate, formula, quantity(output).unit)
-    rows = design.axes[0].labels.get("row") if len(design.axes) == 1 else None
+    axes = names.design.axes
+    rows = axes[0].labels.get("row") if len(axes) == 1 else None
     if rows is None or rows.max() + 1 != table.rows:
         node.fail(f"{table.path}: a reference table needs a design of cases read from a table with the same rows")
     return Reference(table=table, columns=columns)
@@ -284,10 +294,9 @@ def _check_methods(
         node.fail("all methods of a scene with profiles must have the same number of nodes")
     for method in methods:
         place = node.mapping(optional=None)[method.name]
-        for name in sorted(method.ignores - given):
-            place.mapping(optional=None)["ignores"].fail(
-                f"no scenario has a parameter '{name}': {nearest(name, given)}"
-            )
+        for entry in _ignored(place):
+            if not given & set(component_names(entry.text())):
+                entry.fail(f"no scenario has a parameter '{entry.text()}': {nearest(entry.text(), given)}")
         unknown = sorted(given - method.columns - method.ignores)
         if unknown:
             meant = f"say 'ignores: [{', '.join(unknown)}]' if that is meant"
@@ -303,6 +312,19 @@ def _check_bounds(node: Node, method: Method, design: Design, fixed: dict[str, f
         values |= axis.columns
     for name in method.columns & values.keys():
         node.located(method.solver.columns[name].check, values[name])
+
+
+def _check_lists(keys: dict[str, Node], methods: tuple[Method, ...], design: Design, fixed: dict[str, float]) -> None:
+    """The lists of every line must be whole, and as long as each other.
+
+    Along other axes than the first no length differs: cases are the only axis, and one of a grid has every value.
+    """
+    first, *others = design.axes
+    values = {name: np.array([value]) for name, value in fixed.items()}
+    values |= {name: column[:1] for axis in others for name, column in axis.columns.items()} | first.columns
+    node = keys["design"] if any(map(section_number, design.parameters)) else keys.get("fixed", keys["design"])
+    for method in methods:
+        node.located(method.solver.check_lists, {name: values[name] for name in method.columns & values.keys()})
 
 
 def _check_not_given(node: Node, outputs: tuple[str, ...], given: set[str]) -> None:

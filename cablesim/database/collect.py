@@ -18,7 +18,7 @@ from cablesim.database.shard_file import check_shards, chunk_sizes, read_shard
 from cablesim.files import written_whole
 from cablesim.parameters import ParameterSpec
 from cablesim.plan import ScenePlan
-from cablesim.quantities import COMPONENTS, QUANTITIES, quantity
+from cablesim.quantities import COMPONENTS, LIST, QUANTITIES, component_names, quantity, section_number
 from cablesim.shards import Placement
 from cablesim.sources import source_digest
 from cablesim.status import Status
@@ -65,6 +65,7 @@ def _gather(scene: Scene, plan: ScenePlan, shards: Path) -> tuple[dict[str, Any]
         read = dask.compute(*(dask.delayed(read_shard)(path, names) for path in paths), scheduler="synchronous")
         for (number, positions, placement), path, values in zip(group, paths, read, strict=True):
             share = seconds[path] / max(1, math.prod(placement.recipe.shape))
+            values = {name: _as_wide(name, own, scene.sections) for name, own in values.items()}
             _place(arrays, run_time, number, positions, placement, values, share)
     for number, method in enumerate(scene.methods):
         if not method.solver.iterates:
@@ -72,8 +73,22 @@ def _gather(scene: Scene, plan: ScenePlan, shards: Path) -> tuple[dict[str, Any]
     if (arrays["iterations"] == NOT_COUNTED).all():
         del arrays["iterations"]
     dims = ("method", *(axis.name for axis in scene.design.axes))
-    own = {name: QUANTITIES[name].dims if name in QUANTITIES else () for name in arrays}
-    return {name: ((*dims, *own[name]), values) for name, values in arrays.items()}, run_time
+    return {name: ((*dims, *_own_dims(name)), values) for name, values in arrays.items()}, run_time
+
+
+def _own_dims(name: str) -> tuple[str, ...]:
+    return QUANTITIES[name].dims if name in QUANTITIES else ()
+
+
+def _as_wide(name: str, values: np.ndarray, sections: int) -> np.ndarray:
+    """An output over sections with as many as the scene has: a shard has those of its own lines."""
+    dims = _own_dims(name)
+    if dims[:1] != LIST:
+        return values
+    axis = values.ndim - len(dims)
+    own = values[(slice(None),) * axis + (slice(sections),)]
+    missing = [(0, sections - own.shape[axis] if i == axis else 0) for i in range(own.ndim)]
+    return np.pad(own, missing, constant_values=np.nan)
 
 
 def _place(
@@ -139,6 +154,8 @@ def _coordinates(scene: Scene) -> dict[str, Any]:
     }
     for axis in scene.design.axes:
         for name, values in axis.columns.items():
+            if section_number(name) and name != axis.name:
+                continue
             coords[name] = (axis.name, *_parameter(scene.parameters[name], values))
         if axis.name not in axis.columns:
             coords[axis.name] = (
@@ -154,10 +171,30 @@ def _coordinates(scene: Scene) -> dict[str, Any]:
                 {"long_name": LABELS[name]},
             )
     for name, value in scene.fixed.items():
-        coords[name] = ((), *_parameter(scene.parameters[name], np.array(value)))
+        if not section_number(name):
+            coords[name] = ((), *_parameter(scene.parameters[name], np.array(value)))
+    if scene.sections:
+        numbers = np.arange(1, scene.sections + 1, dtype=np.int32)
+        coords["section"] = ("section", numbers, {"long_name": "number of the section, from A to B"})
+        coords |= {name: _list(scene, name) for name, spec in scene.parameters.items() if spec.listed}
     if any("component" in quantity(name).dims for name in scene.outputs):
         coords["component"] = ("component", _words(COMPONENTS), {"long_name": "component of a vector"})
     return coords
+
+
+def _list(scene: Scene, name: str) -> tuple[tuple[str, ...], np.ndarray, dict[str, Any]]:
+    """A listed parameter over the axes along which any of its sections varies, NaN after the end of a line."""
+    names = component_names(name, scene.sections)
+    axes = [axis for axis in scene.design.axes if not axis.columns.keys().isdisjoint(names)]
+    values = np.full((*(axis.size for axis in axes), scene.sections), np.nan)
+    for section, column in enumerate(names):
+        if column in scene.fixed:
+            values[..., section] = scene.fixed[column]
+        for position, axis in enumerate(axes):
+            if column in axis.columns:
+                alone = [axis.size if i == position else 1 for i in range(len(axes))]
+                values[..., section] = axis.columns[column].reshape(alone)
+    return (*(axis.name for axis in axes), *LIST), values, _attributes(name)
 
 
 def _parameter(spec: ParameterSpec, values: np.ndarray) -> tuple[np.ndarray, dict[str, Any]]:

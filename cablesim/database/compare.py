@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.database.query import query
-from cablesim.database.reading import read_dataset, running_numbers, scene_paths
+from cablesim.database.reading import read_dataset, running_numbers, scene_paths, with_components
 
 
 def compare(results_a: Path, results_b: Path, tolerance: float = 0.0) -> pd.DataFrame:
@@ -41,6 +41,7 @@ def compare(results_a: Path, results_b: Path, tolerance: float = 0.0) -> pd.Data
 
 
 def _compare_scene(scene: str, a: xr.Dataset, b: xr.Dataset, tolerance: float) -> list[dict[str, object]]:
+    a, b = _equally_wide(a, b)
     keys = _keys(a)
     if keys != _keys(b):
         differing = ", ".join(sorted(keys ^ _keys(b)))
@@ -67,6 +68,14 @@ def _compare_scene(scene: str, a: xr.Dataset, b: xr.Dataset, tolerance: float) -
     return rows
 
 
+def _equally_wide(a: xr.Dataset, b: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]:
+    """Both with as many sections as the longest line of either has."""
+    if "section" not in a.coords or "section" not in b.coords:
+        return a, b
+    sections = max(a.section.values, b.section.values, key=len)
+    return a.reindex(section=sections), b.reindex(section=sections)
+
+
 def _scenarios(dataset: xr.Dataset, keys: set[str]) -> pd.DataFrame:
     """The parameters of every scenario, and its place in the dataset."""
     table = query(dataset, None, tuple(sorted(keys)))
@@ -75,7 +84,7 @@ def _scenarios(dataset: xr.Dataset, keys: set[str]) -> pd.DataFrame:
 
 def _keys(dataset: xr.Dataset) -> set[str]:
     """What identifies a scenario: its method and parameters, not its running number."""
-    scenario_dims = set(dataset.status.dims)
+    dataset, scenario_dims = with_components(dataset), set(dataset.status.dims)
     return {str(name) for name in dataset.coords if set(dataset[name].dims) <= scenario_dims} - running_numbers(dataset)
 
 

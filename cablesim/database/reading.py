@@ -13,7 +13,7 @@ from cablesim.database.collect import MEASURED
 from cablesim.design import SCENARIO
 from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse
-from cablesim.quantities import component_names, is_vector, quantity
+from cablesim.quantities import component_names, is_list, is_vector, list_name, quantity
 
 
 def scene_paths(results: Path) -> dict[str, Path]:
@@ -64,14 +64,29 @@ def magnitude(values: xr.DataArray) -> xr.DataArray:
 
 
 def with_components(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with each vector also by its components: `force_B` as `force_B_x`, `force_B_y` and `force_B_z`."""
-    vectors = [str(name) for name in dataset.data_vars if is_vector(str(name))]
-    parts = {
-        part: dataset[name].isel(component=i, drop=True).assign_attrs(long_name=quantity(part).meaning)
-        for name in vectors
-        for i, part in enumerate(component_names(name))
+    """The dataset with each vector and each list also by its parts: `force_B` as `force_B_x`, `force_B_y`, `force_B_z`.
+
+    Those of `section_length` are `section_length_1`, `section_length_2`, ..., NaN where a line has fewer sections.
+    """
+    given, answered = (
+        {part: values for whole in group.values() for part, values in _parts(whole).items()}
+        for group in (dataset.coords, dataset.data_vars)
+    )
+    own = {name: values for name, values in given.items() if name not in dataset.coords}
+    return dataset.assign_coords(own).assign(answered)
+
+
+def _parts(values: xr.DataArray) -> dict[str, xr.DataArray]:
+    """The parts of a vector or a list; one part varies along the axis of another in form only."""
+    name = str(values.name)
+    if not (is_vector(name) or is_list(name)) or quantity(name).dims[0] not in values.dims:
+        return {}
+    dim = quantity(name).dims[0]
+    others = {str(axis): 0 for axis in values.dims if list_name(str(axis)) == name}
+    return {
+        part: values.isel({**others, dim: i}, drop=True).assign_attrs(long_name=quantity(part).meaning)
+        for i, part in enumerate(component_names(name, values.sizes[dim]))
     }
-    return dataset.assign(parts)
 
 
 def running_numbers(values: xr.Dataset | xr.DataArray) -> set[str]:

@@ -27,7 +27,7 @@ def estimate(scene: Scene) -> str:
         shards = f"{len(plan.placements)} shard(s), about {_duration(work)}"
         lines.append(f"  {method.name} ({method.solver.name}): {solved} to solve in {shards}")
     nodes = max(int(method.options.get("nodes", 1)) for method in scene.methods)
-    numbers = len(scene.methods) * scene.size * numbers_per_scenario(scene.outputs, nodes)
+    numbers = len(scene.methods) * scene.size * numbers_per_scenario(scene.outputs, nodes, scene.sections)
     seconds += 2 * numbers * SECONDS_PER_STORED_NUMBER
     lines.append(f"  in all about {_duration(seconds)} on one core, at most {_size(16 * numbers)} on disk")
     return "\n".join(lines)

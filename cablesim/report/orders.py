@@ -11,7 +11,7 @@ from cablesim.config.method import Series, find_series, series_names
 from cablesim.config.scene import Scene
 from cablesim.database.reading import magnitude, of_method
 from cablesim.numerics import Array
-from cablesim.quantities import VECTOR, quantity
+from cablesim.quantities import SHORT, quantity
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def convergences(scene: Scene, dataset: xr.Dataset, output: str) -> dict[str, Co
 
 
 def _rows(scene: Scene, dataset: xr.Dataset) -> Iterator[dict[str, object]]:
-    for output in (name for name in scene.outputs if quantity(name).dims in ((), VECTOR)):
+    for output in (name for name in scene.outputs if quantity(name).dims in SHORT):
         for name, found in convergences(scene, dataset, output).items():
             for i, value in enumerate(found.series.values):
                 yield {

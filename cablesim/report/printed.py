@@ -1,5 +1,6 @@
 """Printed tables of a scene, in the layout that its file asks for: pages in Markdown, and the same numbers as CSV."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from cablesim import units
 from cablesim.config.layout_file import PrintedTable
 from cablesim.config.rehearsal import METHOD
 from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, of_only_method, select
+from cablesim.database.reading import evaluate, of_only_method, select, with_components
 from cablesim.files import write_text
 
 NO_SOLUTION = "-"
@@ -42,6 +43,7 @@ def printed_table(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
 
 def _values(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
     """A row for each scenario: what names it, and its cells, in the units of print."""
+    dataset = with_components(dataset)
     shown = dataset.where(select(dataset, printed.where)) if printed.where else dataset
     chosen = shown.isel(printed.position)
     heads = {name: chosen[name] for name in printed.heads}
@@ -98,4 +100,6 @@ def _digits(value: float, digits: int) -> str:
 
 def _short(value: object) -> str:
     """A value of a parameter, without the rounding error that a change of units may leave."""
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return NO_SOLUTION if math.isnan(value) else f"{value:.10g}"
+    return str(value)

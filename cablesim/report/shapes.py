@@ -11,39 +11,84 @@ from cablesim.config.figure_file import Figure, Shape
 from cablesim.config.scene import Scene
 from cablesim.database.reading import of_method
 from cablesim.report.drawing import DASHES, PALETTE, draw_points, legend, plain
+from cablesim.report.sections import draw_sections, section_legend
 
-# Width of a panel, in inches; thinnest side of the box around lines in space, beside the longest.
+# Width of a panel, in inches, and of one whose heights are stretched; thinnest side of the box around lines in space,
+# beside the longest.
 PANEL = 3.2
+WIDE_PANEL = 4.6
 THINNEST = 0.6
+# A panel with a factor of its own is at most so high, beside its width.
+FLATTEST = 0.3
 
 
 def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     """Shapes of the line, in panels side by side."""
     settings = figure.settings
     panels, (across, up) = settings["panels"], settings["view"]
-    drawn, grid = plt.subplots(1, len(panels), sharey=len(panels) > 1, squeeze=False)
-    for axes, (heading, shapes) in zip(grid[0], panels, strict=True):
-        for profile, style in _shapes(dataset, shapes, settings["methods"]):
-            axes.plot(profile.sel(component=across), profile.sel(component=up), **style)
-        draw_points(axes, settings["points"])
-        axes.set(xlabel=plain(settings.get("x_label", f"{across} [m]")))
+    columns = settings["across"]
+    shared = len(panels) > 1 and settings["stretch"] is not None
+    drawn, grid = plt.subplots(-(-len(panels) // columns), columns, sharey=shared, squeeze=False)
+    used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
+    for axes, (heading, shapes) in zip(used, panels, strict=True):
+        _draw_panel(axes, dataset, shapes, settings)
         axes.set_title(heading, fontsize=10)
-        axes.set_aspect("equal", adjustable="datalim" if len(panels) == 1 else "box")
-    grid[0][0].set_ylabel(plain(settings.get("y_label", f"{up} [m]")))
-    if len(panels) == 1:
-        legend(grid[0][0])
-    else:
-        drawn.set_size_inches(PANEL * len(panels) + 1.0, _panel_height(grid[0]))
-        drawn.legend(*grid[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
+        stretch = settings["stretch"] or _own_stretch(axes)
+        axes.set_aspect(stretch, adjustable="box" if shared else "datalim")
+        axes.set(xlabel=plain(settings.get("x_label", f"{across} [m]")))
+        if not shared or axes in grid[:, 0]:
+            axes.set_ylabel(plain(settings.get("y_label", f"{up} [m]")) + _in_words(stretch))
+    for axes in spare:
+        axes.remove()
+    if len(panels) > 1:
+        drawn.set_size_inches(*_size(grid, settings))
+    _add_legend(drawn, used[0], dataset, settings)
     return drawn
 
 
-def _panel_height(panels: Any) -> float:
-    """Height of a figure of panels of one scale, so that they fill it."""
-    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in panels]
+def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
+    if settings["sections"] is not None:
+        draw_sections(axes, dataset, shapes, settings)
+    else:
+        across, up = settings["view"]
+        for profile, style in _shapes(dataset, shapes, settings["methods"]):
+            axes.plot(profile.sel(component=across), profile.sel(component=up), **style)
+    draw_points(axes, settings["points"])
+
+
+def _add_legend(drawn: Any, first: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
+    """A legend for all panels, of which the first speaks for the others."""
+    if settings["sections"] is not None:
+        drawn.legend(handles=section_legend(dataset, settings), loc="outside lower center", ncols=4, fontsize=9)
+    elif len(settings["panels"]) == 1:
+        legend(first)
+    else:
+        drawn.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
+
+
+def _own_stretch(axes: Any) -> float:
+    """The largest of 1, 2, 5, 10, ... by which heights may be stretched so that the panel stays flat."""
+    width, height = axes.dataLim.width, axes.dataLim.height
+    if not (width > 0.0 and height > 0.0):
+        return 1.0
+    wanted = max(1.0, FLATTEST * width / height)
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
+
+
+def _in_words(stretch: float) -> str:
+    return "" if stretch == 1.0 else f", drawn × {stretch:g}"
+
+
+def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
+    """Width and height of a figure of several panels, so that they fill it."""
+    rows, columns = grid.shape
+    if settings["stretch"] is None:
+        return WIDE_PANEL * columns + 1.0, (WIDE_PANEL * FLATTEST + 0.9) * rows + 0.8
+    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in grid.flat[: len(settings["panels"])]]
     width = max(right - left for (left, right), _ in limits)
-    height = max(top - bottom for _, (bottom, top) in limits)
-    return float(np.clip(PANEL * height / width, 1.0, 5.0)) + 1.6
+    height = settings["stretch"] * max(top - bottom for _, (bottom, top) in limits)
+    return PANEL * columns + 1.0, rows * float(np.clip(PANEL * height / width, 1.0, 5.0)) + 1.6
 
 
 def _shapes(

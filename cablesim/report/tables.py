@@ -10,7 +10,7 @@ import xarray as xr
 from cablesim.config.scene import Reference, Scene
 from cablesim.database.reading import magnitude, of_method, running_numbers, status_words, with_components, written
 from cablesim.files import write_text
-from cablesim.quantities import VECTOR, quantity
+from cablesim.quantities import SHORT, quantity
 
 # A table that nobody can read is not written row by row: beyond this it becomes statistics, and `query` has the rows.
 MOST_ROWS = 10_000
@@ -20,14 +20,14 @@ MARKDOWN_ROWS = 40
 def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
     """Absolute and relative error of every output but profiles, for every method, against the reference.
 
-    The error of a vector is the length of the difference. Largest, median and 95 % over the scenarios that both
-    solved, and where the largest relative error lies.
+    The error of a vector is the length of the difference, that of a list the largest of its sections. Largest, median
+    and 95 % over the scenarios that both solved, and where the largest relative error lies.
     """
     rows: list[dict[str, object]] = []
     if scene.reference is None:
         return pd.DataFrame(rows)
     dataset = with_components(dataset)
-    stored = [name for name in scene.outputs if quantity(name).dims in ((), VECTOR)]
+    stored = [name for name in scene.outputs if quantity(name).dims in SHORT]
     for output in scene.reference.columns or stored:
         reference = _reference_values(scene.reference, dataset, output)
         for method in scene.methods:
@@ -42,6 +42,7 @@ def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
 
 def tension_table(dataset: xr.Dataset) -> pd.DataFrame:
     """The tensions by scenario; for very many scenarios their statistics by method."""
+    dataset = with_components(dataset)
     names = [name for name in _scalars(dataset) if "tension" in name and quantity(name).unit == "N"]
     if not names:
         return pd.DataFrame()
@@ -51,7 +52,7 @@ def tension_table(dataset: xr.Dataset) -> pd.DataFrame:
 
 
 def value_table(dataset: xr.Dataset) -> pd.DataFrame:
-    """Every output that is one number, and the components of vectors, by scenario; nothing for very many scenarios."""
+    """Every output that is one number, and the parts of vectors and lists, by scenario; nothing for very many."""
     dataset = with_components(dataset)
     names = _scalars(dataset)
     return frame(dataset, [*names, "status"]) if names and dataset.status.size <= MOST_ROWS else pd.DataFrame()
@@ -110,6 +111,8 @@ def _reference_values(reference: Reference, dataset: xr.Dataset, output: str) ->
 def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
     absolute = magnitude(values - reference)
     relative = absolute / magnitude(reference)
+    if "section" in relative.dims:
+        absolute, relative = absolute.max("section"), relative.max("section")
     found = absolute.values[np.isfinite(absolute.values)]
     found_relative = relative.values[np.isfinite(relative.values)]
     return {
@@ -131,7 +134,8 @@ def _place_of_largest(relative: xr.DataArray) -> str:
         return ""
     where = np.unravel_index(np.nanargmax(np.where(np.isfinite(values), values, -1.0)), values.shape)
     point = relative.isel(dict(zip(relative.dims, (int(i) for i in where), strict=True)))
-    coords = [c for c in point.coords if c not in ("row", "key", "rounding") and relative[c].ndim > 0]
+    told = [c for c in point.coords if c not in ("row", "key", "rounding") and relative[c].ndim > 0]
+    coords = [c for c in told if point[c].notnull()]
     named = [c for c in coords if c not in running_numbers(relative)] or coords
     return ", ".join(f"{name}={written(point[name], digits=12)}" for name in named)
 

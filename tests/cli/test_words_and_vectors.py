@@ -406,7 +406,7 @@ SCENES = {
             "outputs": "[tension_A]",
         },
         "methods.flat.ignores",
-        "no scenario has a parameter 'position_B_x'",
+        "no scenario has a parameter 'position_B'",
     ),
     "a parameter ignored in part": (
         {"methods": "{one: {solver: pulled_line}, flat: {solver: catenary_exact}}", "outputs": "[tension_A]"},
