@@ -61,8 +61,8 @@ SOURCE = f"""\
 # z = [T]/w of each section, with V growing by w l over it, solved for V at A (and H) within brackets.
 # lowest_point: of the line, its ends included; joint_tension: at the B end of each section; vertex_s: arc length from
 # A to where V = 0, on the continued catenary of the end section if below 0 or above the length of the line;
-# vertex_section: 0 if the vertex is at A or before it, 1, 2, ... on the line (at a joint or at B: the section that
-# ends there), one more than the number of sections beyond B
+# vertex_section: 0 before A, 1, 2, ... on the line (at A: the first; at a joint or at B: the section that ends there),
+# one more than the number of sections beyond B
 """
 EXTREMES = """\
 # Family no_line: the ends are as far apart as the line is long, or farther, and there is no answer
@@ -442,7 +442,7 @@ def vertex(shape: Shape) -> Vertex:
     V = [mp.mpf(0) if abs(force) < tolerance else force for force in shape.forces]
     s = list(accumulate(shape.lengths, initial=mp.mpf(0)))
     if V[0] >= 0:
-        return Vertex(-V[0] / shape.weights[0], 0, (mp.mpf(0), mp.mpf(0)))
+        return Vertex(-V[0] / shape.weights[0], 0 if V[0] > 0 else 1, (mp.mpf(0), mp.mpf(0)))
     if V[-1] < 0:
         return Vertex(s[-1] - V[-1] / shape.weights[-1], len(V), (shape.x[-1], shape.z[-1]))
     section = next(i for i, force in enumerate(V) if force >= 0)
