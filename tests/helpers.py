@@ -7,11 +7,13 @@ import numpy as np
 
 from cablesim.numerics import Array
 from cablesim.parameters import ParameterSpec
+from cablesim.quantities import is_list
 from cablesim.solver import load_solver
 
 FOLDER = Path(__file__).parent
 REFERENCE = FOLDER / "reference"
 PUBLISHED = FOLDER.parent / "config" / "scenes" / "tables"
+MOST_SECTIONS = 6
 # Methods for lines in the vertical plane of the stream only.
 PLANE_METHODS = ("pode_line", "pode_table_line")
 # Methods for heavy lines with B straight above A only.
@@ -33,15 +35,22 @@ def problems(solver: str) -> tuple[tuple[str, ...], ...]:
 def draw(solver: str, size: int, seed: int, problem: int = 0) -> dict[str, np.ndarray]:
     """Random parameters of one of a solver's problems from the ranges that it declares; none that replaces another.
 
-    Lines of a plane method lie in its plane, those of one for upright chords have such a chord.
+    Lines of a plane method lie in its plane, those of one for upright chords have such a chord. A line of sections has
+    one to six of them, its lists are NaN after the last.
     """
     rng = np.random.default_rng(seed)
     left_out = {name for group in problems(solver) for name in group} - set(problems(solver)[problem])
     declared = load_solver(solver).parameters.values()
     wanted = [s for s in declared if s.instead_of is None and s.name not in left_out]
     values = {spec.name: _spread(spec, size, rng) for spec in wanted}
+    values |= _ragged({spec.name: values[spec.name] for spec in wanted if spec.listed}, size, rng)
     values = in_plane(values) if solver in PLANE_METHODS else values
     return upright(values) if solver in UPRIGHT_METHODS else values
+
+
+def number_of_sections(values: dict[str, np.ndarray]) -> np.ndarray:
+    """How many sections each of the drawn lines has."""
+    return np.isfinite(next(value for name, value in values.items() if is_list(name))).sum(axis=1)
 
 
 def in_plane(line: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -74,12 +83,22 @@ def _column(cells: tuple[str, ...]) -> np.ndarray:
         return np.array(cells)
 
 
+def _ragged(lists: dict[str, Array], size: int, rng: np.random.Generator) -> dict[str, Array]:
+    """The lists with as many sections for each line as chance will have it, the same in all of them."""
+    if not lists:
+        return {}
+    ended = np.arange(MOST_SECTIONS) >= rng.integers(1, MOST_SECTIONS + 1, size)[:, None]
+    return {name: np.where(ended, np.nan, values) for name, values in lists.items()}
+
+
 def _spread(spec: ParameterSpec, size: int, rng: np.random.Generator) -> np.ndarray:
     if spec.words:
         return rng.choice(spec.words, size)
     low, high = spec.typical
     if spec.vector:
         return rng.uniform(low, high, (size, 3))
+    if spec.listed:
+        return np.exp(rng.uniform(np.log(low), np.log(high), (size, MOST_SECTIONS)))
     if spec.above is None or low <= 0.0:
         return rng.uniform(low, high, size)
     return np.exp(rng.uniform(np.log(low), np.log(high), size))

@@ -5,10 +5,10 @@ import pytest
 
 from cablesim import batch
 from cablesim.errors import InputError
-from cablesim.quantities import QUANTITIES, is_vector
+from cablesim.quantities import LIST, QUANTITIES, is_list, is_vector, quantity
 from cablesim.solver import Solver, load_solver, solver_names
 from cablesim.status import Status
-from tests.helpers import draw, problems
+from tests.helpers import draw, number_of_sections, problems
 
 SOLVERS = [load_solver(name) for name in solver_names()]
 PROBLEMS = [(solver, number) for solver in SOLVERS for number in range(len(problems(solver.name)))]
@@ -36,6 +36,7 @@ def test_every_name_is_in_the_table_of_quantities(solver):
     assert set(solver.parameters) <= set(QUANTITIES)
     for name, spec in solver.parameters.items():
         assert spec.vector == is_vector(name), name
+        assert spec.listed == is_list(name), name
 
 
 @every_solver
@@ -53,8 +54,10 @@ def test_a_scenario_does_not_depend_on_its_neighbours(solver, problem, monkeypat
         alone = batch.solve(solver.name, {name: value[i] for name, value in values.items()})
         assert alone.status[0] == together.status[i]
         for name, value in alone.outputs.items():
+            # Its own sections are all that a line has when it is alone.
+            own = together.outputs[name][i][: len(value[0])] if value.ndim > 1 else together.outputs[name][i]
             # The same bits, not nearly the same: assert_array_equal takes NaN as equal to NaN.
-            np.testing.assert_array_equal(value[0], together.outputs[name][i], err_msg=name)
+            np.testing.assert_array_equal(value[0], own, err_msg=name)
 
 
 @every_problem
@@ -69,13 +72,17 @@ def test_the_order_of_scenarios_does_not_matter(solver, problem):
 
 @every_problem
 def test_failed_means_nan_in_every_output_and_only_failed_does(solver, problem):
-    found = batch.solve(solver.name, scenarios(solver, 500, problem), outputs=solver.outputs)
+    """Sections that a line does not have are NaN too."""
+    values = scenarios(solver, 500, problem)
+    found = batch.solve(solver.name, values, outputs=solver.outputs)
     failed = found.status != Status.ok
     assert failed.sum() < failed.size
     for name, value in found.outputs.items():
-        missing = np.isnan(value).reshape(value.shape[0], -1)
-        np.testing.assert_array_equal(missing.all(axis=1), failed, err_msg=name)
-        np.testing.assert_array_equal(missing.any(axis=1), failed, err_msg=name)
+        expected = failed.reshape(-1, *(1,) * (value.ndim - 1))
+        if quantity(name).dims[:1] == LIST:
+            ended = np.arange(value.shape[1]) >= number_of_sections(values)[:, None]
+            expected = expected | ended.reshape(*ended.shape, *(1,) * (value.ndim - 2))
+        np.testing.assert_array_equal(np.isnan(value), np.broadcast_to(expected, value.shape), err_msg=name)
 
 
 @every_problem
@@ -118,6 +125,26 @@ def test_every_parameter_is_checked_at_the_door(solver, problem):
             complaint = rf"^{name} must be finite.*1 of 3 are not \(first: scenario 1"
         with pytest.raises(InputError, match=complaint):
             batch.solve(solver.name, {**scenarios(solver, 3, problem), name: wrong})
+
+
+@each_problem([(solver, number) for solver, number in PROBLEMS if any(map(is_list, draw(solver.name, 1, 1, number)))])
+def test_lists_of_other_lengths_or_with_a_gap_are_refused(solver, problem):
+    values = scenarios(solver, 20, problem)
+    longest = int(number_of_sections(values).argmax())
+    lists = [name for name, spec in solver.parameters.items() if spec.listed]
+    for name in lists:
+        shorter, broken = values[name].copy(), values[name].copy()
+        shorter[longest, -1] = broken[longest, 1] = np.nan
+        with pytest.raises(
+            InputError, match=rf"^{name} must be finite.* \(first: scenario {longest}, nan .*section 2\)"
+        ):
+            batch.solve(solver.name, values | {name: broken})
+        if len(lists) > 1:
+            complaint = (
+                rf"must have the same number of sections: 1 of 20 .*\(first: scenario {longest}, [56] and [56]\)"
+            )
+            with pytest.raises(InputError, match=complaint):
+                batch.solve(solver.name, values | {name: shorter})
 
 
 @every_problem
