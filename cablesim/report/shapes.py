@@ -13,37 +13,77 @@ from cablesim.database.reading import of_method
 from cablesim.report.drawing import DASHES, PALETTE, draw_points, legend, plain
 from cablesim.report.sections import draw_sections, section_legend
 
-# Width of a panel, in inches, and of one whose heights are stretched; thinnest side of the box around lines in space,
-# beside the longest.
+# Width of a panel and least width of all of them, in inches; thinnest side of the box around lines in space, beside the
+# longest.
 PANEL = 3.2
-WIDE_PANEL = 4.6
+LEAST_WIDTH = 6.5
 THINNEST = 0.6
-# A panel with a factor of its own is at most so high, beside its width.
+# A panel that is stretched by a factor of its own: its width in inches, and at most how high it is beside that.
+WIDE_PANEL = 4.6
 FLATTEST = 0.3
+STRETCHES = (1.0, 2.0, 5.0)
+LEGEND_COLUMN = 2.4
 
 
 def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
-    """Shapes of the line, in panels side by side."""
+    """Shapes of the line, in panels of one scale; or of a scale of their own each, where the heights are stretched so."""
     settings = figure.settings
-    panels, (across, up) = settings["panels"], settings["view"]
-    columns = settings["across"]
-    shared = len(panels) > 1 and settings["stretch"] is not None
-    drawn, grid = plt.subplots(-(-len(panels) // columns), columns, sharey=shared, squeeze=False)
+    panels, columns, shared = settings["panels"], settings["across"], settings["stretch"] is not None
+    rows = -(-len(panels) // columns)
+    drawn, grid = plt.subplots(rows, columns, sharex=shared and rows > 1, sharey=shared, squeeze=False)
     used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
     for axes, (heading, shapes) in zip(used, panels, strict=True):
         _draw_panel(axes, dataset, shapes, settings)
-        axes.set_title(heading, fontsize=10)
         stretch = settings["stretch"] or _own_stretch(axes)
-        axes.set_aspect(stretch, adjustable="box" if shared else "datalim")
-        axes.set(xlabel=plain(settings.get("x_label", f"{across} [m]")))
-        if not shared or axes in grid[:, 0]:
-            axes.set_ylabel(plain(settings.get("y_label", f"{up} [m]")) + _in_words(stretch))
+        axes.set_aspect(stretch, adjustable="box" if shared and len(panels) > 1 else "datalim")
+        axes.set_title(heading, fontsize=10)
+        if not shared:
+            axes.set_title("" if stretch == 1.0 else f"heights × {stretch:g}", fontsize=8, loc="right")
     for axes in spare:
         axes.remove()
+    _label_panels(drawn, grid, settings)
     if len(panels) > 1:
         drawn.set_size_inches(*_size(grid, settings))
     _add_legend(drawn, used[0], dataset, settings)
     return drawn
+
+
+def _label_panels(drawn: Any, grid: Any, settings: dict[str, Any]) -> None:
+    """Labels of the axes, each once for panels in a column or a row."""
+    across, up = settings["view"]
+    x_label, y_label = (
+        plain(settings.get(f"{axis}_label", f"{name} [m]")) for axis, name in (("x", across), ("y", up))
+    )
+    stretch, panels = settings["stretch"], len(settings["panels"])
+    y_label += "" if stretch in (None, 1.0) else f", drawn × {stretch:g}"
+    for axes in grid.flat[max(0, panels - grid.shape[1]) : panels]:
+        axes.set(xlabel=x_label)
+    if len(grid) > 1:
+        drawn.supylabel(y_label, fontsize=10)
+    else:
+        grid[0][0].set(ylabel=y_label)
+
+
+def _own_stretch(axes: Any) -> float:
+    """The largest of 1, 2, 5, 10, ... by which heights may be stretched so that the panel stays flat."""
+    width, height = axes.dataLim.width, axes.dataLim.height
+    if not (width > 0.0 and height > 0.0):
+        return 1.0
+    wanted = max(1.0, FLATTEST * width / height)
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(power * max(step for step in STRETCHES if step * power <= wanted))
+
+
+def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
+    """Width and height of a figure of several panels, so that they fill it."""
+    rows, columns = grid.shape
+    if settings["stretch"] is None:
+        return WIDE_PANEL * columns + 1.0, (WIDE_PANEL * FLATTEST + 0.6) * rows + 1.4
+    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in grid.flat[: len(settings["panels"])]]
+    width = max(right - left for (left, right), _ in limits)
+    height = settings["stretch"] * max(top - bottom for _, (bottom, top) in limits)
+    panel = max(PANEL, LEAST_WIDTH / columns)
+    return panel * columns + 1.0, rows * float(np.clip(panel * height / width, 1.0, 5.0)) + 1.6
 
 
 def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
@@ -59,36 +99,13 @@ def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: d
 def _add_legend(drawn: Any, first: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
     """A legend for all panels, of which the first speaks for the others."""
     if settings["sections"] is not None:
-        drawn.legend(handles=section_legend(dataset, settings), loc="outside lower center", ncols=4, fontsize=9)
+        handles = section_legend(dataset, settings)
+        columns = int(drawn.get_figwidth() / LEGEND_COLUMN)
+        drawn.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
     elif len(settings["panels"]) == 1:
         legend(first)
     else:
         drawn.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
-
-
-def _own_stretch(axes: Any) -> float:
-    """The largest of 1, 2, 5, 10, ... by which heights may be stretched so that the panel stays flat."""
-    width, height = axes.dataLim.width, axes.dataLim.height
-    if not (width > 0.0 and height > 0.0):
-        return 1.0
-    wanted = max(1.0, FLATTEST * width / height)
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted))
-
-
-def _in_words(stretch: float) -> str:
-    return "" if stretch == 1.0 else f", drawn × {stretch:g}"
-
-
-def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
-    """Width and height of a figure of several panels, so that they fill it."""
-    rows, columns = grid.shape
-    if settings["stretch"] is None:
-        return WIDE_PANEL * columns + 1.0, (WIDE_PANEL * FLATTEST + 0.9) * rows + 0.8
-    limits = [(axes.get_xlim(), axes.get_ylim()) for axes in grid.flat[: len(settings["panels"])]]
-    width = max(right - left for (left, right), _ in limits)
-    height = settings["stretch"] * max(top - bottom for _, (bottom, top) in limits)
-    return PANEL * columns + 1.0, rows * float(np.clip(PANEL * height / width, 1.0, 5.0)) + 1.6
 
 
 def _shapes(
