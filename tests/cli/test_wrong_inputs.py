@@ -684,8 +684,8 @@ Given = dict[str, str]
 
 
 def text(value: np.ndarray) -> str:
-    """A number, a word or a vector as a command line takes it."""
-    return ",".join(map(str, np.ravel(value).tolist()))
+    """A number, a word, a vector or a list, as long as it is, as a command line takes it."""
+    return ",".join(str(part) for part in np.ravel(value).tolist() if part == part)
 
 
 def good_values(solver: Solver, name: str) -> Given:
@@ -716,6 +716,9 @@ def wrong_values(spec: ParameterSpec) -> list[tuple[str, tuple[str, ...]]]:
         return [*components, ("1,2", ("three components",)), ("1,2,3,4", ("three components",)), ("1,,3", ())]
     bounds = [(spec.above, 0.0, ">"), (spec.at_least, -1e-9, ">="), (spec.below, 0.0, "<"), (spec.at_most, 1e-9, "<=")]
     outside = [(str(at + step), (f"{sign} {at:g}",)) for at, step, sign in bounds if at is not None]
+    if spec.listed:
+        sections = [(f"1,{value}", phrases) for value, phrases in (*everywhere, *outside)]
+        return [*sections, ("1,,3", ()), ("1,2,", ()), ("", ())]
     return [*everywhere, *outside, ("1,2", ("1,2",)), ("", ())]
 
 
@@ -733,12 +736,14 @@ def assignments(values: Given) -> tuple[str, ...]:
 
 
 def as_scene(solver: Solver, values: Given, options: Given | None = None) -> str:
-    """A scene of one case, with all values fixed but one."""
-    axis = next(name for name in values if name in solver.parameters and not solver.parameters[name].vector)
-    fixed = {name: value.split(",") if "," in value else value for name, value in values.items() if name != axis}
+    """A scene of one case, with all values fixed but one, which is a number if there is any."""
+    specs = solver.parameters
+    lists = {name for name, value in values.items() if "," in value or (name in specs and specs[name].listed and value)}
+    given = {name: value.split(",") if name in lists else value for name, value in values.items()}
+    axis = next((name for name in values if name in specs and name not in lists), next(iter(values)))
     return scene(
-        design={"cases": [{axis: values[axis]}]},
-        fixed=fixed,
+        design={"cases": [{axis: given.pop(axis)}]},
+        fixed=given,
         methods={"asked": {"solver": solver.name, **({"options": options} if options else {})}},
         outputs=[name for name in solver.outputs if name not in values][-1:],
     )
@@ -808,6 +813,28 @@ def test_a_vector_in_part_is_refused(solver: Solver, name: str, here: Path, ask:
         assert_refused(ask("run", "asked.yaml"), "asked.yaml", *([phrase] if phrase != "1,2" else []))
 
 
+LISTS = [(solver, name) for solver, name in PARAMETERS if solver.parameters[name].listed]
+
+
+@pytest.mark.parametrize(("solver", "name"), LISTS, ids=named(LISTS))
+def test_a_list_in_part_is_refused(solver: Solver, name: str, here: Path, ask: Ask) -> None:
+    good = good_values(solver, name)
+    whole = good.pop(name)
+    more = "1,2,3,4,5,6,7"
+    cases = [
+        ({f"{name}_1": "1", f"{name}_3": "2"}, f"{name} has 3 sections: {name}_2 must be given"),
+        ({f"{name}_1": "1", name: whole}, "given twice"),
+        ({f"{name}_1": "1", f"{name}_2": "1 kg"}, "kg"),
+        ({f"{name}_0": "1", name: whole}, f"did you mean {name}"),
+        ({f"{name}_101": "1", name: whole}, f"did you mean {name}"),
+        ({name: more}, "must have the same number of sections: they have "),
+    ]
+    for parts, phrase in cases:
+        assert_refused(ask("solve", solver.name, *assignments(good | parts)), phrase)
+        (here / "asked.yaml").write_text(as_scene(solver, good | parts))
+        assert_refused(ask("run", "asked.yaml"), "asked.yaml", phrase)
+
+
 CHOICES = [(solver, name) for solver, name in PARAMETERS if any(name in group for group in problems(solver.name)[:-1])]
 
 
@@ -816,8 +843,13 @@ def test_parameters_of_no_problem_or_of_two_are_refused(solver: Solver, name: st
     good = good_values(solver, name)
     alternatives = {key for group in problems(solver.name) for key in group}
     rest = {key: value for key, value in good.items() if key not in alternatives}
-    everything = {key: value for k in range(3) for key, value in good_values_of_problem(solver, k).items()}
-    for given in (rest, rest | {name: good[name]}, everything):
+    everything = {
+        key: value
+        for k in range(len(problems(solver.name)))
+        for key, value in good_values_of_problem(solver, k).items()
+    }
+    in_part = [rest | {name: good[name]}] if (name,) not in problems(solver.name) else []
+    for given in (rest, *in_part, everything):
         expected = " and ".join(problems(solver.name)[0])
         assert_refused(ask("solve", solver.name, *assignments(given)), f"give {expected}, or", "given: ")
         (here / "asked.yaml").write_text(as_scene(solver, given))
