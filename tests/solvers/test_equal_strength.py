@@ -11,7 +11,7 @@ from cablesim.numerics import Array
 from cablesim.numerics.quadrature import POINTS, WEIGHTS
 from cablesim.solver import load_solver
 from cablesim.status import Status
-from tests.helpers import relative_error, rows
+from tests.helpers import REFERENCE, read_table, relative_error, rows
 
 SOLVER = load_solver("equal_strength")
 # A few hundred units in the last place: closed formulas of a dozen rounded operations, and hyperbolic functions whose
@@ -42,6 +42,20 @@ def angles() -> tuple[Array, Array]:
     """Slope angles at A and B, from where the vertex is."""
     k, span, vertex = lines()["strength_length"], lines()["span"], solved().outputs["vertex_x"]
     return -vertex / k, (span - vertex) / k
+
+
+# ---- references ----
+
+
+@pytest.mark.parametrize(
+    "output",
+    ["drop", "line_length", "area_ratio_A", "area_ratio_B", "weight_over_force", "saved_weight_fraction"],
+)
+def test_every_output_keeps_the_promised_digits(output: str) -> None:
+    table = read_table(REFERENCE / "strength_lines.csv")
+    found = solve(SOLVER.name, {name: table[name] for name in ("strength_length", "span", "rise")})
+    assert (found.status == Status.ok).all()
+    assert relative_error(found.outputs[output], table[output]).max() <= ROUNDING
 
 
 # ---- the curve and its forces ----
