@@ -242,7 +242,7 @@ def _with_components(row: Quantity) -> tuple[Quantity, ...]:
         return (row, *(_part(row, component, f"{component} component of {row.name}") for component in COMPONENTS))
     if row.dims == LIST:
         numbers = map(str, range(1, MOST_SECTIONS + 1))
-        return (row, *(_part(row, number, f"{row.name} of section {number}") for number in numbers))
+        return (row, *(_part(row, number, f"section {number} of {row.name}") for number in numbers))
     return (row,)
 
 

@@ -1,4 +1,4 @@
-"""Batches: numbers, words and vectors are checked when they are made, and each problem kind has its own parameters."""
+"""Batches: numbers, words, vectors and lists are checked when they are made; each problem has its own parameters."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,9 @@ import pytest
 from cablesim import batch
 from cablesim.errors import InputError
 from cablesim.parameters import ParameterSpec
-from cablesim.quantities import component_names, quantity
+from cablesim.quantities import MOST_SECTIONS, QUANTITIES, component_names, list_name, quantity, section_number
+from cablesim.solver import load_solver
+from cablesim.status import Status
 
 LAW = "friction_law"
 
@@ -122,3 +124,168 @@ def test_a_compiled_solver_is_called_once_before_the_clock_starts(pulled_line):
     calls.clear()
     batch.solve("pulled_line", {"force_A": np.ones((5, 3)), "line_length": 10.0})
     assert calls == [1, 5]
+
+
+# ---- lists ----
+
+
+@pytest.fixture
+def joined_line(pulled_line):
+    """A solver with lists."""
+    yield load_solver("joined_line")
+    load_solver.cache_clear()
+
+
+SAME_LISTS = {
+    "lists of other lengths": {"section_length": [[400, 50], [300]], "section_weight": [[80, 600], [70]]},
+    "arrays": {
+        "section_length": [np.array([400.0, 50.0]), np.array([300.0])],
+        "section_weight": np.array([[80, 600], [70, np.nan]]),
+    },
+    "padded more than it need be": {
+        "section_length": [[400, 50, np.nan], [300, np.nan, np.nan]],
+        "section_weight": [(80, 600), (70,)],
+    },
+    "columns": {
+        "section_length_1": [400, 300],
+        "section_length_2": [50, np.nan],
+        "section_weight_1": [80, 70],
+        "section_weight_2": [600, np.nan],
+        "section_weight_3": np.nan,
+    },
+}
+
+
+@pytest.mark.parametrize("lists", SAME_LISTS.values(), ids=SAME_LISTS)
+def test_lists_are_padded_to_the_longest(lists, joined_line):
+    p = made(joined_line, **lists, tension_A=1.0)
+    np.testing.assert_array_equal(p.section_length, [[400.0, 50.0], [300.0, np.nan]])
+    np.testing.assert_array_equal(p.section_weight, [[80.0, 600.0], [70.0, np.nan]])
+    assert p.section_length.dtype == np.float64
+    assert p.section_length.flags.c_contiguous
+    assert p.sections.tolist() == [2, 1]
+    assert p.sections.dtype == np.int64
+    assert p.part(slice(1, 2)).sections.tolist() == [1]
+    assert p.size == 2
+
+
+def test_one_list_serves_all_scenarios(joined_line):
+    p = made(joined_line, section_length=[400, 50], section_weight=[[80, 600], [70, 500], [60, 1]], tension_A=1.0)
+    assert p.section_length.tolist() == [[400.0, 50.0]] * 3
+    assert made(joined_line, section_length=[4, 5], section_weight=[8, 6], tension_A=[1.0, 2.0]).sections.tolist() == [
+        2,
+        2,
+    ]
+
+
+def test_a_line_has_as_many_sections_as_it_likes(joined_line):
+    many = np.ones(100 * MOST_SECTIONS)
+    found = batch.solve("joined_line", {"section_length": many, "section_weight": many, "tension_A": 1.0})
+    assert found.outputs["joint_tension"].shape == (1, many.size)
+    assert found.outputs["tension_B"].tolist() == [1.0 + many.size]
+
+
+def test_sections_that_a_line_does_not_have_are_no_failure(joined_line, monkeypatch):
+    monkeypatch.setattr(batch, "BLOCK", 2)
+    lists = {"section_length": [[1, 2, 3], [4], [5, 6]], "section_weight": [[1, 1, 1], [1], [1, 1]]}
+    found = batch.solve("joined_line", {**lists, "tension_A": 1.0, "depth": [0, 5, 0]})
+    assert found.status.tolist() == [Status.ok, Status.infeasible, Status.ok]
+    nan = np.nan
+    np.testing.assert_array_equal(found.outputs["joint_tension"], [[2, 4, 7], [nan, nan, nan], [6, 12, nan]])
+
+
+@pytest.mark.parametrize("section", [0, 1])
+def test_an_answer_that_is_missing_for_a_section_is_a_failure(section, joined_line, monkeypatch):
+    def solve(p, options):
+        solution = joined(p, options)
+        solution.answer.joint_tension[1, section] = np.nan
+        return solution
+
+    joined = joined_line.module.solve
+    monkeypatch.setattr(joined_line.module, "solve", solve)
+    lists = {"section_length": [[1, 2, 3], [4, 5]], "section_weight": [[1, 1, 1], [1, 1]]}
+    found = batch.solve("joined_line", {**lists, "tension_A": 1.0}, outputs=("joint_tension", "line_length"))
+    assert found.status.tolist() == [Status.ok, Status.out_of_domain]
+    assert np.isnan(found.outputs["line_length"]).tolist() == [False, True]
+
+
+def test_answers_with_components_for_each_section_are_as_long_as_their_lines(joined_line, monkeypatch):
+    class Answer:
+        joint_position = np.array([[[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], [[7.0, 8.0, 9.0], [np.nan] * 3]])
+
+    ok = np.zeros(2, dtype=np.int8)
+    monkeypatch.setattr(joined_line.module, "OUTPUTS", ("joint_position",))
+    monkeypatch.setattr(joined_line.module, "solve", lambda p, options: batch.Solution(ok, Answer))
+    lists = {"section_length": [[1, 2], [4]], "section_weight": [[1, 1], [1]]}
+    asked = {"outputs": ("joint_position",)}
+    assert batch.solve("joined_line", {**lists, "tension_A": 1.0}, **asked).status.tolist() == [0, 0]
+    Answer.joint_position[0, 1, 2] = np.nan
+    assert batch.solve("joined_line", {**lists, "tension_A": 1.0}, **asked).status.tolist() == [Status.out_of_domain, 0]
+
+
+WRONG_LISTS = {
+    "a number": ({"section_length": 400.0}, "^section_length must be a list of numbers, or one list .*, not 400$"),
+    "too deep": ({"section_length": np.ones((1, 1, 2))}, r"not an array of shape \(1, 1, 2\)$"),
+    "numbers and lists": ({"section_length": [1, [2]]}, r"^section_length must be numbers, not \[1, \[2\]\]$"),
+    "a word": ({"section_length": ["long", 2]}, "^section_length must be numbers"),
+    "no sections": ({"section_length": []}, "^section_length has no values$"),
+    "a line without sections": (
+        {"section_length": [[1, 2], []]},
+        r"^section_length must be finite and > 0 m: 1 of 2 are not \(first: scenario 1, nan m in section 1\)$",
+    ),
+    "nothing but NaN": ({"section_length": [np.nan, np.nan]}, "it is nan m in section 1$"),
+    "a gap": (
+        {"section_length": [1, np.nan, 2]},
+        "^section_length must be finite and > 0 m: it is nan m in section 2$",
+    ),
+    "a gap in one of three": (
+        {"section_length": [[1, 2], [1, 2, 3], [1, np.nan, 3]]},
+        r"1 of 3 are not \(first: scenario 2, nan m in section 2\)$",
+    ),
+    "out of bounds": (
+        {"section_weight": [[1, 2], [3, -4]]},
+        r"^section_weight must be finite and >= 0 N m-1: 1 of 2 are not \(first: scenario 1, -4 N m-1 in section 2\)$",
+    ),
+    "infinite": ({"section_length": [1, np.inf]}, "it is inf m in section 2$"),
+    "other lengths": (
+        {"section_length": [1, 2, 3]},
+        "^section_length and section_weight must have the same number of sections: they have 3 and 2$",
+    ),
+    "other lengths of one line": (
+        {"section_length": [[1, 2], [1, 2], [1]]},
+        r"same number of sections: 1 of 3 lines have not \(first: scenario 2, 1 and 2\)$",
+    ),
+    "other numbers of scenarios": ({"section_length": [[1, 2]] * 3, "tension_A": [1, 2]}, "arrays of one length"),
+    "whole and in part": ({"section_length_1": 1.0}, "^section_length is given twice: as a whole and by its sections$"),
+}
+
+
+@pytest.mark.parametrize(("values", "complaint"), WRONG_LISTS.values(), ids=WRONG_LISTS)
+def test_what_cannot_be_a_list_is_refused(values, complaint, joined_line):
+    with pytest.raises(InputError, match=complaint):
+        made(joined_line, **{"section_length": [1, 2], "section_weight": [1, 2], "tension_A": 1.0, **values})
+
+
+def test_a_list_without_a_section_is_refused(joined_line):
+    with pytest.raises(
+        InputError, match=r"^section_length has 4 sections: section_length_2 and section_length_3 must be"
+    ):
+        made(joined_line, section_length_1=1.0, section_length_4=1.0, section_weight=[1.0], tension_A=1.0)
+
+
+def test_a_mistyped_name_is_not_answered_with_every_section(joined_line):
+    with pytest.raises(InputError) as refused:
+        made(joined_line, xyz=1.0)
+    assert str(refused.value).endswith("known: depth, section_length, section_weight, tension_A")
+
+
+def test_a_section_of_a_list_is_a_quantity():
+    row = quantity("section_length_12")
+    assert (row.unit, row.dims, row.symbol) == ("m", (), r"(\ell)_{12}")
+    assert row.meaning == "section 12 of section_length, length of each section, from A to B"
+    assert component_names("joint_tension", 2) == ("joint_tension_1", "joint_tension_2")
+    assert component_names("section_length")[-1] == f"section_length_{MOST_SECTIONS}"
+    assert (list_name("section_length_12"), section_number("section_length_12")) == ("section_length", 12)
+    for other in ("section_length", "section_length_0", "section_length_01", "force_A_x", "tension_A", "depth_1"):
+        assert (list_name(other), section_number(other)) == ("", 0)
+    assert f"section_length_{MOST_SECTIONS + 1}" not in QUANTITIES
