@@ -70,9 +70,12 @@ class BuiltLine:
         half_rise, half_angle = np.abs(self.design.half_rise), self.design.half_angle
         return half_rise / np.sqrt(self.design.slack * (half_angle + half_rise))
 
-    def places(self, fractions: Array) -> Array:
-        """Places of fractions of the length from A; (scenario, place) or (place,)."""
-        from_first = np.where(self.falling[:, None], 1.0 - fractions, fractions)
+    def from_first(self, fractions: Array) -> Array:
+        """Fractions of the length from A, as counted from the first end; (scenario, place)."""
+        return np.where(self.falling[:, None], 1.0 - fractions, fractions)
+
+    def places(self, from_first: Array) -> Array:
+        """Places of fractions of the length from the first end; (scenario, place)."""
         return np.minimum(self.low[:, None] + 2.0 * self.design.half_angle[:, None] * from_first, self.high[:, None])
 
     def weights(self, places: Array) -> Array:

@@ -5,6 +5,8 @@ they are singular where V = -+i r, which is T away from V. As |sinh(u + t) - sin
 singularity is nearer to u than log(1 + T / cosh(u)): the panels are as long as that allows.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from cablesim.numerics import Array
@@ -22,25 +24,29 @@ MARGIN = 1e-9
 SHORTFALL, RATE, DISTANCE = range(3)
 
 
-def vertical_tension(line: BuiltLine) -> tuple[Array, Roots]:
+# Function of (vertical, which): integrals as of `sums_along` for the lines `which` with these vertical tensions.
+Sums = Callable[[Array, np.ndarray], Array]
+
+
+def vertical_tension(line: BuiltLine, sums: Sums, grain: Array | float = 0.0) -> tuple[Array, Roots]:
     """Vertical tension at the thinnest places, with which the rise of the ends is met, and how it was found.
 
     The unknown is x = exp(asinh(V / r)). What is solved is the length beyond the rise, which no steep line loses.
+    `grain` is the length, over k, of pieces within which the weight need not be that of the design.
     """
-    force, low, high, thinnest = line.force_ratio, line.low, line.high, line.thinnest
+    force = line.force_ratio
 
     def equation(x: Array, which: np.ndarray) -> tuple[Array, Array]:
-        vertical = _vertical(force[which], x)
-        sums = sums_along(low[which], high[which], thinnest[which], force[which], vertical)
-        return 2.0 * line.design.slack[which] - sums[:, SHORTFALL], sums[:, RATE]
+        found = sums(_vertical(force[which], x), which)
+        return 2.0 * line.design.slack[which] - found[:, SHORTFALL], found[:, RATE]
 
     # Where all of the line is steeper than a straight one would be, its end is too high, and where all is less steep,
     # too low. As 1 - V / T > 1 before the lowest point, this is no farther from the first end than twice the slack.
-    ends = line.weights(np.stack([high, low, low + 2.0 * line.design.slack], axis=1))
-    least = np.maximum(line.steepness - ends[:, 0] / force, -ends[:, 2] / force)
-    most = line.steepness - ends[:, 1] / force
+    farthest = np.minimum(line.low + 2.0 * line.design.slack + grain, line.high)
+    ends = line.weights(np.stack([line.high, line.low, farthest], axis=1)) / force[:, None]
+    least, most = np.maximum(line.steepness - ends[:, 0], -ends[:, 2]), line.steepness - ends[:, 1]
     bracket = (1.0 - MARGIN) * np.exp(np.arcsinh(least)), (1.0 + MARGIN) * np.exp(np.arcsinh(most))
-    design = np.exp(np.arcsinh(np.sinh(thinnest) / force))
+    design = np.exp(np.arcsinh(np.sinh(line.thinnest) / force))
     roots = newton_bracketed(equation, *bracket, np.clip(design, *bracket))
     return _vertical(force, roots.x), roots
 
