@@ -10,8 +10,9 @@ import xarray as xr
 from cablesim import shards
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
+from cablesim.design import Axis
 from cablesim.plan import plan_scene, read_plan
-from cablesim.shards import plan_methods
+from cablesim.shards import Recipe, plan_methods
 from cablesim.steps import run_scene
 from cablesim.study import Layout
 
@@ -200,6 +201,47 @@ def test_a_dataset_that_grew_is_the_same_as_one_made_afresh(tmp_path):
         path.write_text(GROWN.format(axes=axes))
         datasets = [collected(path, tmp_path / folder) for folder in ("grown", f"afresh {number}")]
         xr.testing.assert_identical(*datasets)
+
+
+WIRE = "{section_length: [400], section_weight: [80]}"
+CHAIN = "{section_length: [400, 50], section_weight: [80, 600]}"
+SAME_WIRE = "{section_length: [400, 50], section_weight: [80, 80]}"
+THREE = "{section_length: [200, 50, 200], section_weight: [80, 600, 80]}"
+GROWING_LISTS = [
+    [CHAIN],
+    [WIRE, CHAIN],
+    [WIRE, THREE, CHAIN],
+    [CHAIN, WIRE],
+    [WIRE],
+    [SAME_WIRE, WIRE, CHAIN, THREE],
+]
+
+
+def test_a_dataset_of_lists_that_grew_is_the_same_as_one_made_afresh(tmp_path):
+    path = tmp_path / "grown.yaml"
+    for number, cases in enumerate(GROWING_LISTS):
+        path.write_text(
+            f"title: Lines that grow\ndesign: {{cases: [{', '.join(cases)}]}}\nfixed: {{horizontal_tension: 1e5}}\n"
+            "methods: {exact: {solver: composite_line}}\noutputs: [tension_B, joint_tension, joint_position, profile]\n"
+        )
+        datasets = [collected(path, tmp_path / folder) for folder in ("grown", f"afresh {number}")]
+        xr.testing.assert_identical(*datasets)
+    found = {recipe.digest: recipe.shape for plan in (tmp_path / "grown").glob("**/*.npz") for recipe in recipes(plan)}
+    # The first chain, the wire, the line of three sections and the line of wire in two sections, each once.
+    assert list(found.values()) == [(1,)] * 4
+
+
+def recipes(path: Path) -> list[Recipe]:
+    return list(read_plan(path).recipes.values())
+
+
+def test_points_of_an_axis_are_told_apart_by_value_whatever_the_bits_of_zero_and_nan():
+    other_nan = np.array([0xFFF8000000000001], dtype=np.uint64).view(float)[0]
+    axis = Axis("scenario", {"rise": np.array([0.0, -0.0, 1.0, np.nan, -np.nan, other_nan])})
+    assert np.unique(axis.key).size == 3
+    with_nan = axis.padded(["section_length_2"])
+    assert np.isnan(with_nan.columns["section_length_2"]).all()
+    assert np.unique(with_nan.key).size == 3
 
 
 def collected(path: Path, folder: Path) -> xr.Dataset:
