@@ -55,6 +55,11 @@ class UniformStrengthLine:
         return 2.0 * self.half_angle * self.line_length / self.span
 
     @property
+    def saved_weight_fraction(self) -> Array:
+        """Nothing: it is as thick everywhere as at its thicker end."""
+        return np.zeros_like(self.span)
+
+    @property
     def drop(self) -> Array:
         return self._curve.drop
 

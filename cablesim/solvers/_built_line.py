@@ -78,7 +78,7 @@ class HungLine(ABC):
     @cached_property
     def profile(self) -> Array:
         """Nodes at equal steps of length."""
-        fractions = np.broadcast_to(np.linspace(0.0, 1.0, self.nodes), (self.vertical.size, self.nodes))
+        fractions = np.tile(np.linspace(0.0, 1.0, self.nodes), (self.vertical.size, 1))
         x, z = self.positions(fractions)
         k = self.line.design.strength_length[:, None]
         return self.line.profile(k * x, k * z)

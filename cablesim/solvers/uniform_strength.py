@@ -23,7 +23,16 @@ from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-OUTPUTS = ("drop", "line_length", "area_ratio_A", "area_ratio_B", "weight_over_force", "vertex_x", "profile")
+OUTPUTS = (
+    "drop",
+    "line_length",
+    "area_ratio_A",
+    "area_ratio_B",
+    "saved_weight_fraction",
+    "weight_over_force",
+    "vertex_x",
+    "profile",
+)
 SECONDS_PER_SCENARIO = 2e-6
 ITERATES = True
 
