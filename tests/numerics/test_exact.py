@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cablesim.numerics import Array
-from cablesim.numerics.exact import excess_of_squares, two_product, two_square
+from cablesim.numerics.exact import excess_of_squares, two_product, two_square, two_sum
 
 EPS = np.finfo(float).eps
 
@@ -21,6 +21,24 @@ def assert_exact(parts: tuple[Array, Array], expected: list[Fraction]) -> None:
     high, low = parts
     assert [Fraction(a) + Fraction(b) for a, b in zip(high, low, strict=True)] == expected
     np.testing.assert_array_equal(high + low, high)  # the second part is the rounding of the first
+
+
+@pytest.mark.parametrize("decades", [0.5, 16.0, 60.0])
+def test_a_sum_and_its_rounding_error_make_up_the_exact_sum(decades: float) -> None:
+    """Of any two floats, the first the larger or the smaller, of one sign or nearly cancelling."""
+    rng = np.random.default_rng(1)
+    a, b = spread(rng, 2000, decades), spread(rng, 2000, decades)
+    nearly = -a * (1.0 + EPS * rng.integers(-3, 4, 2000))
+    for other in (b, nearly):
+        assert_exact(two_sum(a, other), [Fraction(x) + Fraction(y) for x, y in zip(a, other, strict=True)])
+
+
+def test_a_sum_does_not_depend_on_the_order_and_nothing_is_lost_beside_zero() -> None:
+    rng = np.random.default_rng(8)
+    a, b = spread(rng, 2000, 20.0), spread(rng, 2000, 20.0)
+    for one, other in zip(two_sum(a, b), two_sum(b, a), strict=True):
+        np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(two_sum(a, np.zeros(2000)), (a, np.zeros(2000)))
 
 
 def test_a_product_and_its_rounding_error_make_up_the_exact_product() -> None:

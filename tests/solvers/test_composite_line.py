@@ -531,7 +531,23 @@ def test_the_profile_passes_through_the_joints(given: str) -> None:
     np.testing.assert_array_equal(found["profile_section"], np.tile([1, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5], (200, 1)))
 
 
+@pytest.mark.xfail(reason="the last node is put at the end of the section before", strict=True)
+def test_the_profile_ends_with_a_clump_at_b_however_short() -> None:
+    """A load of 10 N on 1e-16 m, less than what a length of 3 m can show."""
+    line = {"section_length": [3.0, 1e-16], "section_weight": [1.0, 1e17], "horizontal_tension": 10.0}
+    found = solved(line, (*SHAPE, "tension_B"))
+    np.testing.assert_allclose(found["profile_tension"][:, -1], found["tension_B"], rtol=1e-13)
+    assert found["profile_section"][0, -1] == 2.0
+
+
 # ---- what has no answer ----
+
+
+@pytest.mark.xfail(reason="Newton's steps in V go back and forth within their bracket", strict=True)
+def test_an_upright_line_of_a_heavy_foot_and_a_light_rest_is_solved() -> None:
+    """Of 565 m of which all but half a metre lead straight up."""
+    line = {"section_length": [0.04, 1.65, 563.5], "section_weight": [0.4, 50.0, 0.002], "rise": 565.189727}
+    assert solve(SOLVER, line | {"horizontal_distance": 0.554069}).status == Status.ok
 
 
 @pytest.mark.parametrize("lengths", [[2.0, 3.0], [3.0, 2.0], [1.0, 1.5, 2.5], [4.5, 2.0**-60, 0.5]])
