@@ -1,21 +1,19 @@
 """The `figures` part of a scene file: what each picture shows, rehearsed before anything is solved."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from cablesim.config.document import Node
 from cablesim.config.method import Method, find_series
 from cablesim.config.place_file import Wish, fixed_axes, place, read_point, read_wishes
 from cablesim.config.rehearsal import METHOD, Rehearsal
+from cablesim.config.section_colours import read_colours
 from cablesim.config.table import Table, read_table
 from cablesim.quantities import VECTOR, quantity
 
 RUN_TIME = "run_time"
 VIEWS = ("xz", "xy", "yz")
-# What the picture of a line's sections shows: which of them a node is in, where they meet, and where the line is lowest.
-SECTION_OUTPUTS = ("profile_section", "joint_position", "lowest_point")
-# Where colour tells sections apart, the curves of a panel have only their dashes.
-MOST_DASHES = 4
 MOST_ACROSS = 6
 AUTOMATIC = "auto"
 
@@ -75,7 +73,8 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
 
 
 def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
-    keys = node.mapping(("kind", "x", "y"), ("where", "point", "points", "log", "x_label", "y_label", "each"))
+    look = ("points", "log", "draw", "x_label", "y_label", "each_label")
+    keys = node.mapping(("kind", "x", "y"), ("where", "point", "each", *look))
     lines = keys["y"].mapping(optional=None) if isinstance(keys["y"].value, dict) else {"": keys["y"]}
     if not lines:
         keys["y"].fail("at least one formula is needed")
@@ -99,7 +98,8 @@ def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
         "position": position,
         "points": _read_points(keys["points"], stage) if "points" in keys else None,
         "log": keys["log"].choice(("x", "y", "xy")) if "log" in keys else "",
-        **_texts(keys, ("x_label", "y_label")),
+        "draw": keys["draw"].choice(("lines", "marks")) if "draw" in keys else "lines",
+        **_texts(keys, ("x_label", "y_label", "each_label")),
         **_where(keys, stage),
     }
 
@@ -117,7 +117,8 @@ def _read_points(node: Node, stage: Stage) -> Points:
 
 
 def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
-    keys = node.mapping(("kind", "x", "y", "value"), ("log", "label", "where", "point"))
+    look = ("log", "label", "x_label", "y_label", "contours")
+    keys = node.mapping(("kind", "x", "y", "value"), ("where", "point", *look))
     settings: dict[str, Any] = {"position": fixed_axes(keys, stage.names)}
     along = {}
     for name in ("x", "y", "value"):
@@ -133,7 +134,21 @@ def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
         keys["value"].fail(f"the value also varies along {others[0]}: choose one, as in method.output")
     logs = ("x", "y", "xy", "value", "x value", "y value", "xy value")
     log = keys["log"].choice(logs) if "log" in keys else ""
-    return {**settings, "log": log, **_texts(keys, ("label",)), **_where(keys, stage)}
+    return {
+        **settings,
+        "log": log,
+        "contours": _read_contours(keys["contours"]) if "contours" in keys else (),
+        **_texts(keys, ("label", "x_label", "y_label")),
+        **_where(keys, stage),
+    }
+
+
+def _read_contours(node: Node) -> tuple[float, ...]:
+    """Values that lines are drawn at, in ascending order."""
+    values = tuple(entry.number("1") for entry in node.sequence())
+    if any(after <= before for before, after in pairwise(values)):
+        node.fail("values in ascending order are expected")
+    return values
 
 
 def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
@@ -143,6 +158,7 @@ def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
     wishes = read_wishes(keys["at"], stage.names) if "at" in keys else [None]
     headings = _read_titles(keys, [wish.words if wish else "" for wish in wishes])
     shapes = [_shapes(node, keys, wish, stage) for wish in wishes]
+    positions = [shape.position for panel in shapes for shape in panel]
     methods = _read_methods(keys, stage)
     return {
         "panels": list(zip(headings, shapes, strict=True)),
@@ -150,7 +166,7 @@ def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
         "methods": methods,
         "view": keys["view"].choice(VIEWS) if "view" in keys else "xz",
         "stretch": _read_stretch(keys["stretch"]) if "stretch" in keys else 1.0,
-        "sections": _read_sections(keys, len(shapes[0]) * len(methods), stage),
+        "colours": read_colours(keys, stage.names, positions, len(shapes[0]) * len(methods)),
         "points": _read_points(keys["points"], stage) if "points" in keys else None,
         **_texts(keys, ("x_label", "y_label")),
     }
@@ -174,29 +190,6 @@ def _read_stretch(node: Node) -> float | None:
     if factor <= 0.0:
         node.fail(f"a number > 0, or {AUTOMATIC}, is expected, not {factor:g}")
     return factor
-
-
-def _read_sections(keys: dict[str, Node], curves: int, stage: Stage) -> tuple[str, ...] | None:
-    """What the sections of the line are called, from A to B; None where they are not told apart."""
-    if "colour" not in keys:
-        if "names" in keys:
-            keys["names"].fail("names are those of sections: they need 'colour: section'")
-        return None
-    keys["colour"].choice(("section",))
-    missing = [name for name in SECTION_OUTPUTS if name not in stage.names.outputs]
-    if missing:
-        keys["colour"].fail(
-            f"sections are drawn from the outputs {', '.join(SECTION_OUTPUTS)}: {missing[0]} is missing"
-        )
-    if curves > MOST_DASHES:
-        keys["colour"].fail(f"at most {MOST_DASHES} curves a panel can be told apart by dashes, not {curves}")
-    count = stage.names.sections
-    if "names" not in keys:
-        return tuple(f"section {number}" for number in range(1, count + 1))
-    names = tuple(entry.text(60) for entry in keys["names"].sequence())
-    if len(names) != count:
-        keys["names"].fail(f"a name for each section is expected: {count}, not {len(names)}")
-    return names
 
 
 def _read_spatial(node: Node, stage: Stage) -> dict[str, Any]:

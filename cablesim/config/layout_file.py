@@ -1,5 +1,6 @@
 """The `tables` part of a scene file: printed tables, as a book or a ship's officer has them."""
 
+import re
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -8,7 +9,8 @@ from cablesim import units
 from cablesim.config.document import Node
 from cablesim.config.place_file import Wish, positions, read_point
 from cablesim.config.rehearsal import METHOD, Rehearsal
-from cablesim.design import Axis
+from cablesim.config.table import Table, read_table
+from cablesim.design import SCENARIO, Axis
 from cablesim.errors import nearest
 from cablesim.quantities import QUANTITIES, quantity
 
@@ -16,6 +18,7 @@ from cablesim.quantities import QUANTITIES, quantity
 TAKEN = ("errors", "tensions", "values", "status", "orders", "audit")
 DIGITS = 6
 MOST_DIGITS = 15
+AS_IT_STANDS = re.compile(r"\s*(?:\w+\.)?(\w+)\s*")
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,9 @@ class PrintedTable:
 
     Rows without an answer are left out, and those for which `where` does not hold.
     With `across`, each column is repeated for every value of one more parameter. `position` fixes the axes of which the
-    table shows one point only; `units` are those that it is printed in, where they are not SI.
+    table shows one point only; `units` are those that it is printed in, where they are not SI. Columns have `decimals`,
+    or else `digits`; parameters are called by their `words`, or else by their names. Where the lines are named by a
+    column of the `source` of the cases, `names` is that column.
     """
 
     name: str
@@ -36,6 +41,10 @@ class PrintedTable:
     where: str | None = None
     position: dict[str, int] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
+    decimals: dict[str, int] = field(default_factory=dict)
+    words: dict[str, str] = field(default_factory=dict)
+    source: Table | None = None
+    names: str | None = None
 
     @property
     def heads(self) -> tuple[str, ...]:
@@ -44,8 +53,8 @@ class PrintedTable:
 
     def base_unit(self, head: str) -> str | None:
         """The SI unit of a parameter, or of a column that is a quantity as it stands."""
-        meant = self.columns.get(head, head).rpartition(".")[2]
-        return quantity(meant).unit if meant in QUANTITIES else None
+        meant = AS_IT_STANDS.fullmatch(self.columns.get(head, head))
+        return quantity(meant[1]).unit if meant and meant[1] in QUANTITIES else None
 
     def unit(self, head: str) -> str:
         """The unit in which it is printed; none for a plain number or a formula."""
@@ -64,27 +73,75 @@ def read_printed_tables(node: Node, names: Rehearsal) -> tuple[PrintedTable, ...
 
 
 def _read_table(name: str, node: Node, names: Rehearsal) -> PrintedTable:
-    keys = node.mapping(("rows", "columns"), ("pages", "across", "point", "where", "digits", "units"))
+    keys = node.mapping(
+        ("rows", "columns"), ("pages", "across", "point", "where", "digits", "decimals", "units", "words", "table")
+    )
+    source = _read_source(keys["table"], names) if "table" in keys else None
+    names = replace(names, table=source)
     varying = (METHOD, *(column for axis in names.design.axes for column in (axis.name, *axis.columns)))
-    pages = tuple(entry.choice(varying) for entry in keys["pages"].sequence()) if "pages" in keys else ()
-    across = keys["across"].choice(varying) if "across" in keys else None
+    own_names = tuple(column for column in (source.columns if source else ()) if column not in varying)
+    rows = keys["rows"].choice((*varying, *own_names))
+    columns = _read_columns(keys["columns"])
     table = PrintedTable(
         name=name,
-        rows=keys["rows"].choice(varying),
-        columns=_read_columns(keys["columns"]),
-        pages=pages,
-        across=across,
+        rows=SCENARIO if rows in own_names else rows,
+        columns=columns,
+        pages=tuple(entry.choice(varying) for entry in keys["pages"].sequence()) if "pages" in keys else (),
+        across=keys["across"].choice(varying) if "across" in keys else None,
         digits=keys["digits"].whole(1, MOST_DIGITS) if "digits" in keys else DIGITS,
         where=keys["where"].formula() if "where" in keys else None,
+        decimals=_read_decimals(keys["decimals"], columns) if "decimals" in keys else {},
+        source=source,
+        names=rows if rows in own_names else None,
     )
     if len(set(table.heads)) < len(table.heads):
         node.fail("a parameter is named twice among rows, pages and across")
+    _check_names(keys["rows"], table)
     _check_cells(keys, table, names)
     return replace(
         table,
         position=_read_position(node, read_point(keys, names), table, names),
         units=_read_units(keys["units"], table, names) if "units" in keys else {},
+        words=_read_words(keys["words"], table) if "words" in keys else {},
     )
+
+
+def _read_source(node: Node, names: Rehearsal) -> Table:
+    """The table that the cases of the scene were read from, for its columns to be printed beside ours."""
+    source = read_table(node)
+    rows = names.design.axes[0].labels.get("row")
+    if rows is None or rows.max() + 1 != source.rows:
+        node.fail("the scene's cases come from no table with the same rows")
+    return source
+
+
+def _read_decimals(node: Node, columns: dict[str, str]) -> dict[str, int]:
+    chosen = {}
+    for name, entry in node.mapping(optional=None).items():
+        if name not in columns:
+            entry.fail(f"this table has no column '{name}': {nearest(name, columns)}")
+        chosen[name] = entry.whole(0, MOST_DIGITS)
+    return chosen
+
+
+def _read_words(node: Node, table: PrintedTable) -> dict[str, str]:
+    chosen = {}
+    for name, entry in node.mapping(optional=None).items():
+        if name not in table.heads:
+            entry.fail(f"this table has no parameter '{name}': {nearest(name, table.heads)}")
+        chosen[name] = entry.text(60)
+    return chosen
+
+
+def _check_names(node: Node, table: PrintedTable) -> None:
+    """With columns across, each line is one, so that its name must be its own."""
+    if (
+        table.across
+        and table.source
+        and table.names
+        and len(set(table.source.columns[table.names])) < table.source.rows
+    ):
+        node.fail(f"several rows have the same {table.names}: with 'across', each line needs a name of its own")
 
 
 def _read_columns(node: Node) -> dict[str, str]:

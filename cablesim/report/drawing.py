@@ -66,9 +66,11 @@ def plain(text: str) -> str:
 
 
 def value_in_words(value: xr.DataArray) -> str:
-    """A value of a coordinate as a legend shows it: angles in degrees."""
-    is_angle = QUANTITIES[str(value.name)].unit == "rad" if value.name in QUANTITIES else False
-    return f"{math.degrees(value.item()):.6g}°" if is_angle else written(value)
+    """A value of a coordinate with its unit, as a legend shows it: angles in degrees."""
+    unit = QUANTITIES[str(value.name)].unit if value.name in QUANTITIES else "1"
+    if unit == "rad":
+        return f"{math.degrees(value.item()):.6g}°"
+    return written(value) if unit == "1" else f"{written(value)} {unit.replace('-1', '⁻¹')}"
 
 
 def word(name: str) -> str:

@@ -6,8 +6,10 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from cablesim.config.figure_file import RUN_TIME, Figure
 from cablesim.config.scene import AGREES, MISPRINT, ROUNDED_KEY, Scene
@@ -21,6 +23,13 @@ from cablesim.report.orders import convergences
 from cablesim.report.shapes import draw_profiles, draw_spatial
 
 MOST_CELLS = 600
+MOST_STEPS = 8
+# Of an audit, in inches: its legend must fit.
+LEAST_WIDTH = 7.5
+# A logarithmic axis of fewer decades has numbers between the powers of ten.
+FEW_DECADES = 3.0
+# Of formulas whose values are not joined by lines.
+MARKS = "osD^v"
 # Of cells that agree, that follow from a rounded key, that are off.
 FLAG_COLOURS = ("#E8E8E8", "#E69F00", "#D55E00")
 
@@ -81,18 +90,22 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
 def _coloured_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
     """One curve for each formula, told apart by colour."""
     for number, (label, formula) in enumerate(settings["y"].items()):
-        axes.plot(*_points(dataset, settings["x"], formula), label=plain(label), color=PALETTE[number % len(PALETTE)])
+        style: Any = {"color": PALETTE[number % len(PALETTE)]}
+        if settings["draw"] == "marks":
+            style |= {"linestyle": "", "marker": MARKS[number % len(MARKS)]}
+        axes.plot(*_points(dataset, settings["x"], formula), label=plain(label), **style)
 
 
 def _shaded_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
     """A curve for each point of an axis, told apart by shade; formulas by dashes."""
     name = settings["each"]
+    called = plain(settings.get("each_label", word(name)))
     shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[name]))
     for number, (label, formula) in enumerate(settings["y"].items()):
         dashes = DASHES[number % len(DASHES)]
         for i, shade in enumerate(shades):
             part = dataset.isel({name: i})
-            value = f"{word(name)} = {_point(part, name)}" if number == 0 else None
+            value = f"{called} = {_point(part, name)}" if number == 0 else None
             axes.plot(*_points(part, settings["x"], formula), label=value, color=shade, linestyle=dashes)
         if len(settings["y"]) > 1:
             axes.plot([], [], label=plain(label), color="black", linestyle=dashes)
@@ -125,17 +138,30 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     finite = value.values[np.isfinite(value.values)]
     logarithmic = "value" in settings["log"]
     positive = finite[finite > 0.0] if logarithmic else finite
-    norm = LogNorm(positive.min(), positive.max()) if logarithmic and positive.size else None
+    norm: Any = LogNorm(positive.min(), positive.max()) if logarithmic and positive.size else _steps(finite)
     shown = np.ma.masked_invalid(np.where(value.values > 0.0, value.values, np.nan) if logarithmic else value.values)
     axes.set_facecolor("#DDDDDD")
     mesh = axes.pcolormesh(x.values, y.values, shown, norm=norm, shading="nearest", cmap="viridis", rasterized=True)
-    drawn.colorbar(mesh, ax=axes, label=plain(settings.get("label", settings["value"])))
+    ticks = None if norm is None or logarithmic else norm.boundaries[:-1] + 0.5
+    drawn.colorbar(mesh, ax=axes, label=plain(settings.get("label", settings["value"])), ticks=ticks)
+    if settings["contours"]:
+        lines = axes.contour(x.values, y.values, shown, levels=settings["contours"], colors="white", linewidths=1.2)
+        axes.clabel(lines, fmt="%g", fontsize=8)
     _scales(axes, settings["log"].replace("value", "").strip())
     axes.grid(visible=False)
     note = f"grey: no solution ({missing} of {scenarios})" if missing and "where" not in settings else ""
-    axes.set(xlabel=_label(settings["x"]), ylabel=_label(settings["y"]))
+    axes.set(
+        xlabel=plain(settings["x_label"]) if "x_label" in settings else _label(settings["x"]),
+        ylabel=plain(settings["y_label"]) if "y_label" in settings else _label(settings["y"]),
+    )
     axes.set_title(note, fontsize=9)
     return drawn
+
+
+def _steps(values: np.ndarray) -> BoundaryNorm | None:
+    """A colour for each value, where they are a few whole numbers."""
+    whole = values.size > 0 and (values == np.round(values)).all() and 0 < np.ptp(values) <= MOST_STEPS
+    return BoundaryNorm(np.arange(values.min(), values.max() + 2.0) - 0.5, 256) if whole else None
 
 
 def _convergence(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -168,7 +194,7 @@ def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     shades = dict(zip((AGREES, ROUNDED_KEY, off), FLAG_COLOURS, strict=True))
     flags = list(shades)
     colours = np.full((len(rows), len(columns)), np.nan)
-    drawn, axes = plt.subplots(figsize=(1.35 * len(columns) + 1.5, 0.24 * len(rows) + 1.6))
+    drawn, axes = plt.subplots(figsize=(max(1.35 * len(columns) + 1.5, LEAST_WIDTH), 0.24 * len(rows) + 1.6))
     for cell in table.to_dict("records"):
         i, j = rows.index(cell["row"]), columns.index(cell["column"])
         colours[i, j] = flags.index(cell["flag"])
@@ -187,24 +213,37 @@ def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     axes.imshow(np.ma.masked_invalid(colours), aspect="auto", cmap=palette, norm=BoundaryNorm(np.arange(-0.5, 3), 3))
     axes.set_xticks(range(len(columns)), [word(name) for name in columns], rotation=20, ha="left", fontsize=8)
     axes.xaxis.tick_top()
-    axes.set_yticks(range(len(rows)), [str(row) for row in rows], fontsize=7)
+    axes.set_yticks(range(len(rows)), _row_names(table, rows, columns), fontsize=7)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
     counts = table["flag"].value_counts()
     handles = [plt.Rectangle((0, 0), 1, 1, color=colour) for colour in shades.values()]
     labels = [f"{flag} ({counts.get(flag, 0)})" for flag in shades]
-    labels[flags.index(off)] += ": printed (exact)"
+    labels[flags.index(off)] += ": printed (computed)"
     drawn.legend(handles, labels, loc="outside lower center", ncols=3)
     return drawn
+
+
+def _row_names(table: pd.DataFrame, rows: list[int], columns: list[str]) -> list[str]:
+    """The first column of the printed table, where it names the rows and is not audited itself; else their numbers."""
+    head = str(table.columns[1])
+    names = dict(zip(table["row"], table[head], strict=True))
+    return [f"{word(head)} {names[row]}" if head not in columns else str(row) for row in rows]
 
 
 def _scales(axes: Any, log: str) -> None:
     """Logarithmic axes, where there is anything positive to show on them."""
     lines = [line.get_xydata() for line in axes.get_lines()]
     points = np.concatenate([np.asarray(line) for line in lines]) if lines else np.ones((1, 2))
-    for column, (name, set_scale) in enumerate((("x", axes.set_xscale), ("y", axes.set_yscale))):
+    sides = (("x", axes.set_xscale, axes.get_xlim, axes.xaxis), ("y", axes.set_yscale, axes.get_ylim, axes.yaxis))
+    for column, (name, set_scale, limits, axis) in enumerate(sides):
         if name in log and (points[:, column] > 0.0).any():
             set_scale("log", nonpositive="mask")
+            low, high = limits()
+            if high < low * 10.0**FEW_DECADES:
+                axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+                axis.set_minor_formatter(NullFormatter())
 
 
 def _label(formula: str) -> str:

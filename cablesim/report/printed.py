@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -30,12 +31,12 @@ def printed_table(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
     """The table as text: what names a row in front, then a column for each formula. Rows without an answer are out."""
     table = _values(printed, dataset)
     columns = list(printed.columns)
+    across = list(table[printed.across].unique()) if printed.across else []
     table = table[table[columns].notna().any(axis=1)]
-    if printed.across is not None:
-        table = _spread(printed, table)
-        columns = [name for name in table.columns if name not in printed.heads]
     for name in columns:
-        table[name] = [_digits(value, printed.digits) for value in table[name]]
+        table[name] = [_cell(value, printed.digits, printed.decimals.get(name)) for value in table[name]]
+    if printed.across is not None:
+        table = _spread(printed, table, [at for at in across if at in set(table[printed.across])])
     for name in (*printed.pages, printed.rows):
         table[name] = [_short(value) for value in table[name]]
     return table.rename(columns={name: _head(name, printed) for name in table.columns})
@@ -44,10 +45,15 @@ def printed_table(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
 def _values(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
     """A row for each scenario: what names it, and its cells, in the units of print."""
     dataset = with_components(dataset)
-    shown = dataset.where(select(dataset, printed.where)) if printed.where else dataset
-    chosen = shown.isel(printed.position)
+    chosen = dataset.isel(printed.position)
     heads = {name: chosen[name] for name in printed.heads}
-    cells = {name: evaluate(chosen, formula) for name, formula in printed.columns.items()}
+    if printed.source and printed.names:
+        names = np.array(printed.source.columns[printed.names])[chosen.row.values]
+        heads[printed.rows] = xr.DataArray(names, dims=printed.rows)
+    cells = {name: evaluate(chosen, formula, printed.source) for name, formula in printed.columns.items()}
+    if printed.where:
+        kept = select(chosen, printed.where)
+        cells = {name: value.where(kept) for name, value in cells.items()}
     if METHOD not in printed.heads:
         cells = {name: of_only_method(value) for name, value in cells.items()}
     arrays = xr.broadcast(*heads.values(), *cells.values())
@@ -57,10 +63,12 @@ def _values(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
     return table
 
 
-def _spread(printed: PrintedTable, table: pd.DataFrame) -> pd.DataFrame:
-    """The columns once for each value of the parameter that runs across."""
-    across = str(printed.across)
-    wide = table.pivot(index=[*printed.pages, printed.rows], columns=across, values=list(printed.columns))
+def _spread(printed: PrintedTable, table: pd.DataFrame, values: list[object]) -> pd.DataFrame:
+    """The columns once for each value of the parameter that runs across, in the order of the scene."""
+    across, lines = str(printed.across), [*printed.pages, printed.rows]
+    wide = table.pivot(index=lines, columns=across, values=list(printed.columns))
+    wide = wide.reindex(columns=pd.MultiIndex.from_product([list(printed.columns), values]))
+    wide = wide.reindex(table.set_index(lines).index.unique()).fillna(NO_SOLUTION)
     pairs = wide.columns.to_frame(index=False).to_numpy()
     wide.columns = pd.Index([f"{_head(name, printed)}, {_place(across, _short(at), printed)}" for name, at in pairs])
     return wide.reset_index()
@@ -84,18 +92,25 @@ def _markdown(table: pd.DataFrame) -> str:
 
 def _head(name: str, printed: PrintedTable) -> str:
     """A column's head with its unit, as tables beside scenes have it: `angle [deg]`."""
-    unit = printed.unit(name)
-    return f"{name} [{unit}]" if unit else name
+    if name == printed.rows and printed.names:
+        return printed.names
+    unit, called = printed.unit(name), printed.words.get(name, name)
+    return f"{called} [{unit}]" if unit else called
 
 
 def _place(name: str, value: str, printed: PrintedTable) -> str:
     """A parameter and its value: `critical angle 30 deg`."""
-    return f"{name.replace('_', ' ')} {value} {printed.unit(name)}".strip()
+    return f"{printed.words.get(name, name.replace('_', ' '))} {value} {printed.unit(name)}".strip()
 
 
-def _digits(value: float, digits: int) -> str:
-    """A number with all its digits, zeros at the end too; a missing one as a dash."""
-    return NO_SOLUTION if pd.isna(value) else f"{value:#.{digits}g}".rstrip(".")
+def _cell(value: float, digits: int, decimals: int | None) -> str:
+    """A number with all its digits or decimals, zeros at the end too; a missing one as a dash."""
+    if pd.isna(value):
+        return NO_SOLUTION
+    if decimals is None:
+        return f"{value:#.{digits}g}".rstrip(".")
+    text = f"{value:.{decimals}f}"
+    return text if float(text) else text.lstrip("-")
 
 
 def _short(value: object) -> str:

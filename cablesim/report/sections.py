@@ -8,25 +8,25 @@ import xarray as xr
 from matplotlib.lines import Line2D
 
 from cablesim.config.figure_file import Shape
-from cablesim.database.reading import of_method
 from cablesim.report.drawing import DASHES, PALETTE, plain
 
 JOINT: Any = {"marker": "o", "color": "black", "markerfacecolor": "white", "markersize": 5.5, "linestyle": ""}
 LOWEST: Any = {"marker": "v", "color": "black", "markersize": 7, "linestyle": ""}
 GREY = "#555555"
 # Room for words above and below the line, beside its height.
-MARGIN = 0.15
+MARGIN = 0.2
 
 
 def draw_sections(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
-    """The lines of one panel; told apart by dashes, and where there is but one, its lowest point is written beside it."""
+    """The lines of a panel, told apart by dashes; where there is but one, the place of its lowest point is written."""
     view = list(settings["view"])
     lines = [(shape, method) for shape in shapes for method in settings["methods"]]
     for (shape, method), dashes in zip(lines, DASHES, strict=False):
-        line = of_method(dataset.isel(shape.position), method)
+        line = dataset.isel(shape.position).sel({"method": method}, drop=True)
         joints = line.joint_position.dropna("section").sel(component=view).values
-        for section, part in enumerate(_parts(line, joints, view)):
-            axes.plot(*part.T, color=_colour(section), linestyle=dashes, linewidth=2.0)
+        numbers = settings["colours"].numbers(line.section_weight.values[: len(joints)])
+        for number, part in zip(numbers, _parts(line, joints, view), strict=True):
+            axes.plot(*part.T, color=PALETTE[number], linestyle=dashes, linewidth=2.0)
         axes.plot(*joints[:-1].T, **JOINT)
         lowest = line.lowest_point.sel(component=view).values
         axes.plot(*lowest, **LOWEST)
@@ -37,17 +37,22 @@ def draw_sections(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings:
             axes.annotate(words, lowest, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=8)
 
 
-def section_legend(dataset: xr.Dataset, settings: dict[str, Any]) -> list[Line2D]:
-    """What the legend shows: sections and their weights, marks, and the dashes of what is told apart by them."""
+def section_legend(settings: dict[str, Any]) -> list[Line2D]:
+    """What the legend shows: sections or weights, marks, and the dashes of what is told apart by them."""
+    labels = settings["colours"].labels
     sections = [
-        Line2D([], [], color=_colour(number), linewidth=2.0, label=plain(name + _weights(dataset, number, settings)))
-        for number, name in enumerate(settings["sections"])
+        Line2D([], [], color=colour, linewidth=2.0, label=plain(label))
+        for label, colour in zip(labels, PALETTE, strict=False)
     ]
     marks = [Line2D([], [], label="joint", **JOINT), Line2D([], [], label="lowest point", **LOWEST)]
     shapes, methods = settings["panels"][0][1], settings["methods"]
     labels = [", ".join(filter(None, (shape.label, method))) for shape in shapes for method in methods]
     told = zip(labels, DASHES, strict=False) if len(labels) > 1 else ()
-    return [*sections, *marks, *(Line2D([], [], color=GREY, linestyle=d, label=plain(label)) for label, d in told)]
+    return [*sections, *marks, *(_sample(plain(label), dashes) for label, dashes in told)]
+
+
+def _sample(label: str, dashes: Any) -> Line2D:
+    return Line2D([], [], color=GREY, linestyle=dashes, label=label)
 
 
 def _parts(line: xr.Dataset, joints: np.ndarray, view: list[str]) -> Iterator[np.ndarray]:
@@ -63,16 +68,3 @@ def _write_ends(axes: Any, line: xr.Dataset, view: list[str]) -> None:
     ends = line.profile.sel(component=view).isel(node=[0, -1]).transpose("node", "component").values
     for letter, end in zip("AB", ends, strict=True):
         axes.annotate(letter, end, (0, 4), textcoords="offset points", ha="center", fontweight="bold", fontsize=9)
-
-
-def _weights(dataset: xr.Dataset, section: int, settings: dict[str, Any]) -> str:
-    """The weight per length of a section, or its range over the lines that are drawn."""
-    positions = [shape.position for _, shapes in settings["panels"] for shape in shapes]
-    given = dataset.section_weight.isel(section=section)
-    weights = [float(given.isel({dim: at[str(dim)] for dim in given.dims})) for at in positions]
-    low, high = (f"{value:.4g}" for value in (np.nanmin(weights), np.nanmax(weights)))
-    return f", {low} N/m" if low == high else f", {low} to {high} N/m"
-
-
-def _colour(section: int) -> str:
-    return PALETTE[section % len(PALETTE)]

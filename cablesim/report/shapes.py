@@ -26,7 +26,7 @@ LEGEND_COLUMN = 2.4
 
 
 def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
-    """Shapes of the line, in panels of one scale; or of a scale of their own each, where the heights are stretched so."""
+    """Shapes of the line, in panels of one scale, or of a scale of their own where each is stretched by its factor."""
     settings = figure.settings
     panels, columns, shared = settings["panels"], settings["across"], settings["stretch"] is not None
     rows = -(-len(panels) // columns)
@@ -44,7 +44,7 @@ def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     _label_panels(drawn, grid, settings)
     if len(panels) > 1:
         drawn.set_size_inches(*_size(grid, settings))
-    _add_legend(drawn, used[0], dataset, settings)
+    _add_legend(drawn, used[0], settings)
     return drawn
 
 
@@ -87,7 +87,7 @@ def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
 
 
 def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
-    if settings["sections"] is not None:
+    if settings["colours"] is not None:
         draw_sections(axes, dataset, shapes, settings)
     else:
         across, up = settings["view"]
@@ -96,10 +96,10 @@ def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: d
     draw_points(axes, settings["points"])
 
 
-def _add_legend(drawn: Any, first: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
+def _add_legend(drawn: Any, first: Any, settings: dict[str, Any]) -> None:
     """A legend for all panels, of which the first speaks for the others."""
-    if settings["sections"] is not None:
-        handles = section_legend(dataset, settings)
+    if settings["colours"] is not None:
+        handles = section_legend(settings)
         columns = int(drawn.get_figwidth() / LEGEND_COLUMN)
         drawn.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
     elif len(settings["panels"]) == 1:
