@@ -41,7 +41,8 @@ def read_colours(
     by = keys["colour"].choice(("section", "weight"))
     _check(keys["colour"], names, curves)
     weights = np.array([_weights(names, position) for position in positions])
-    known = np.unique(weights[np.isfinite(weights)]) if by == "weight" else weights.T
+    given = np.isfinite(weights)
+    known = np.unique(weights[given]) if by == "weight" else weights.T[given.any(axis=0)]
     if len(known) > MOST_COLOURS:
         keys["colour"].fail(f"at most {MOST_COLOURS} colours can be told apart, not {len(known)}")
     called = _read_names(keys["names"], len(known), by) if "names" in keys else ()
