@@ -6,7 +6,7 @@ T = sqrt(H^2 + V^2). With 1 and 2 the ends of a section, S = (T_1 + T_2) / 2 and
     x = l (H / S) atanh(q) / q,  z = l (V_1 + V_2) / (2 S),                                       (C2)
     dz/dV = l (H^2 + T_1 T_2 - V_1 V_2) / (2 S T_1 T_2).
 
-These hold for a weightless section too, and nothing cancels in them: atanh(q) is half the change of asinh(V / H).
+These keep their digits for short, light and nearly straight sections: atanh(q) is half the change of asinh(V / H).
 """
 
 from dataclasses import dataclass
@@ -212,7 +212,7 @@ def _shapes(lengths, weights, sections, horizontal, vertical, found):
         found[i, 0] = (0.0, 0.0, np.sqrt(horizontal[i] ** 2 + vertical[i, 0] ** 2), 1.0)
         for k in range(1, nodes):
             here = total * k / (nodes - 1) - s
-            while j < sections[i] - 1 and here > lengths[i, j]:
+            while j < sections[i] - 1 and (here > lengths[i, j] or k == nodes - 1):
                 weight = weights[i, j] * lengths[i, j]
                 dx, dz, _ = extent(lengths[i, j], weight, horizontal[i], vertical[i, j], vertical[i, j + 1])
                 x, z, s, here, j = x + dx, z + dz, s + lengths[i, j], here - lengths[i, j], j + 1

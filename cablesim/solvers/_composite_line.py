@@ -83,6 +83,6 @@ def hang_from_vertex(p: Sections, tension: Array, rise: Array, vertical_A: Array
     return CompositeLine(options.nodes, p.section_length, p.section_weight, p.sections, tension, vertical, rise)
 
 
-def total_length(p: Sections) -> Array:
-    """Length of every line."""
-    return np.nansum(p.section_length, axis=1)
+def over_sections(values: Array) -> Array:
+    """The sum over the sections of every line, in their order, whatever the longest line of the batch."""
+    return np.nancumsum(values, axis=1)[:, -1]

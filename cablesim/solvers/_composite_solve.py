@@ -26,6 +26,8 @@ DISTANCE_STEPS = 100
 # A Newton step in V this small beside T leaves an error of its square.
 HEIGHT_STEP = 1e-8
 INSIDE = 1.0 - 1e-6
+# In so many steps the bracket or the gap must halve, or the bracket is halved.
+PATIENCE = 4
 # Rounding of a height, beside the room that the line leaves above or below itself.
 ROUNDING = 4e-16
 # A step in log H this small is the last: the secant's error is far smaller.
@@ -252,6 +254,7 @@ def _meet_height(line, heavy, place, chord, horizontal, state):
     to_low = to_high - hung
     margin = 1e-9 * (hung + abs(to_high) + abs(state[0]))
     to_low, to_high = to_low - margin, to_high + margin
+    width, last_gap = np.inf, np.inf
     for count in range(HEIGHT_STEPS):
         if chord.distance > 0.0:
             gap, rate = _taut_gap(line, heavy, place, chord, horizontal, state)
@@ -274,7 +277,11 @@ def _meet_height(line, heavy, place, chord, horizontal, state):
         enough = HEIGHT_STEP * np.sqrt(horizontal * horizontal + upright * upright)
         done = abs(step) <= enough or (abs(gap) <= ROUNDING * room and chord.distance == 0.0)
         # A step right to the end of the bracket would come back from there: slopes change at once at H = 0.
-        if not INSIDE * to_low < step < INSIDE * to_high and not done:
+        inside = INSIDE * to_low < step < INSIDE * to_high
+        if count % PATIENCE == PATIENCE - 1:
+            inside &= to_high - to_low <= 0.5 * width or abs(gap) <= 0.5 * last_gap
+            width, last_gap = to_high - to_low, abs(gap)
+        if not inside and not done:
             step = 0.5 * (to_low + to_high)
         to_low, to_high = to_low - step, to_high - step
         _shift(line, heavy, state, least, step)
@@ -306,7 +313,7 @@ def _shift(line, heavy, state, joint, step):
 @compiled
 def _gap(line, heavy, place, horizontal, state):
     """z - rise, dz/dV, length less z and length plus z."""
-    upward, downward, rate = 0.0, 0.0, 0.0
+    upward, downward, z, rate = 0.0, 0.0, 0.0, 0.0
     square = horizontal * horizontal
     v_1 = state[0]
     t_1 = np.sqrt(square + v_1 * v_1)
@@ -316,10 +323,15 @@ def _gap(line, heavy, place, horizontal, state):
         share = line[j] / (t_1 + t_2)
         upward += share * (tension_less(t_1, v_1, horizontal) + tension_less(t_2, v_2, horizontal))
         downward += share * (tension_less(t_1, -v_1, horizontal) + tension_less(t_2, -v_2, horizontal))
+        z += share * (v_1 + v_2)
         rate += share * _rate(square, v_1, v_2, t_1, t_2)
         v_1, t_1 = v_2, t_2
-    gap = place.above - upward if place.rise > 0.0 else downward - place.below
-    return gap, rate, upward, downward
+    # What is small decides how well the gap is known: the height, or the room that is left above or below.
+    if place.above < abs(place.rise):
+        return place.above - upward, rate, upward, downward
+    if place.below < abs(place.rise):
+        return downward - place.below, rate, upward, downward
+    return z - place.rise, rate, upward, downward
 
 
 @compiled

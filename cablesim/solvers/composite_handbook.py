@@ -5,7 +5,8 @@ Between two ships at one level, wire at A and chain at B. The wire from the join
     l_x = (l_m^2 - (1 - 0.87 alpha) (w_c / w_m) l_c^2) / (2 (l_m + l_c)),   alpha = exp(-a_c / l_c),   a_c = H / w_c,
 
 alpha being tabulated in the handbook and read as zero where a_c / l_c >= 4. The handbook's line for l_x is lost in the
-copy that we have: this one gives both of its printed vertices (160.5 m; 56.46 m with alpha = 0.072, printed 0.0734).
+copy that we have: this one gives both of its printed vertices (160.5 m; 56.46 m with alpha = 0.0721, as its table has
+it for the printed parameters, where the example prints 0.0734).
 Distance, sags and tensions follow from the vertex exactly, but the two ends come out at different levels:
 `closing_error` is the difference of the two sags, which the handbook wants small. Out of domain unless there are just
 two sections.

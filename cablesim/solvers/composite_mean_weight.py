@@ -1,7 +1,7 @@
 """Composite line as one catenary: every section given the mean weight per length of the line.
 
 The right answer for a line whose sections all weigh the same per length. With chain at one end, the vertex lies too far
-from it and the sag is too small; `composite_line` is exact.
+from it, and the sag is far off, too great where the chain is short; `composite_line` is exact.
 
 Reference: the approximation that a composite line is usually first estimated with; docs/models.md, M8.
 """
@@ -9,7 +9,7 @@ Reference: the approximation that a composite line is usually first estimated wi
 import numpy as np
 
 from cablesim.solver import Solution
-from cablesim.solvers._composite_line import OUTPUTS, Options, solve_exactly, total_length
+from cablesim.solvers._composite_line import OUTPUTS, Options, over_sections, solve_exactly
 from cablesim.solvers._composite_line import TowLine as Parameters
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
@@ -20,5 +20,5 @@ COMPILED = True
 
 
 def solve(p: Parameters, options: Options) -> Solution:
-    mean = np.nansum(p.section_weight * p.section_length, axis=1) / total_length(p)
+    mean = over_sections(p.section_weight * p.section_length) / over_sections(p.section_length)
     return solve_exactly(p, np.where(np.isnan(p.section_length), np.nan, mean[:, None]), options)

@@ -12,7 +12,7 @@ Reference: docs/models.md, M8; compare with the handbook on towing (in Russian),
 import numpy as np
 
 from cablesim.solver import Solution
-from cablesim.solvers._composite_line import OUTPUTS, Options, hang_from_vertex, total_length
+from cablesim.solvers._composite_line import OUTPUTS, Options, hang_from_vertex, over_sections
 from cablesim.solvers._composite_line import PulledLine as Parameters
 from cablesim.status import Status
 
@@ -23,10 +23,10 @@ COMPILED = True
 
 
 def solve(p: Parameters, options: Options) -> Solution:
-    total = total_length(p)
+    total = over_sections(p.section_length)
     weight = p.section_weight * p.section_length
     before = np.cumsum(weight, axis=1) - weight
-    mean = np.nansum(p.section_length * (before + 0.5 * weight), axis=1) / total
+    mean = over_sections(p.section_length * (before + 0.5 * weight)) / total
     square = (total - p.rise) * (total + p.rise)
     feasible = square > 0.0
     lean = p.rise / np.sqrt(np.where(feasible, square, 1.0))

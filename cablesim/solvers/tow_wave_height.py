@@ -69,18 +69,22 @@ class Answer:
 
 
 def solve(p: Parameters, options: object) -> Solution:
+    feasible = 0.5 * p.breaking_strength > p.hook_pull
+    found = np.ones_like(feasible)
     if p.distance_calm is not None:
         answer = Answer(p, p.distance_calm, p.distance_jerk)
+        feasible &= p.distance_jerk >= p.distance_calm
     else:
-        answer = Answer(p, _distance(p, p.hook_pull), _distance(p, 0.5 * p.breaking_strength))
-    feasible = (0.5 * p.breaking_strength > p.hook_pull) & (answer.weight_elongation >= 0.0)
-    return Solution(np.where(feasible, Status.ok, Status.infeasible).astype(np.int8), answer)
+        calm, calm_found = _distance(p, p.hook_pull)
+        jerk, jerk_found = _distance(p, 0.5 * p.breaking_strength)
+        answer, found = Answer(p, calm, jerk), calm_found & jerk_found
+    status = np.select([~feasible, ~found], [Status.infeasible, Status.not_converged], Status.ok)
+    return Solution(status.astype(np.int8), answer)
 
 
-def _distance(p: Parameters, tension: Array) -> Array:
-    """Between the ends of the line, at one level, under a horizontal tension."""
+def _distance(p: Parameters, tension: Array) -> tuple[Array, np.ndarray]:
+    """Between the ends of the line, at one level, under a horizontal tension; and whether it was found."""
     level = np.zeros_like(tension)
-    vertical, *_ = solve_for_tension(p.section_length, p.section_weight, p.sections, level, tension)
-    return CompositeLine(
-        2, p.section_length, p.section_weight, p.sections, tension, vertical, level
-    ).horizontal_distance
+    vertical, _, found, _ = solve_for_tension(p.section_length, p.section_weight, p.sections, level, tension)
+    line = CompositeLine(2, p.section_length, p.section_weight, p.sections, tension, vertical, level)
+    return line.horizontal_distance, found

@@ -294,9 +294,12 @@ def test_sections_cut_into_shorter_ones_hang_as_before(given: str) -> None:
         joint = pieces["joint_position"][:, len(parts) - 1 :: len(parts)]
         off = np.nanmax(np.linalg.norm(joint - found["joint_position"], axis=2), axis=1)
         assert (off <= 1e-13 * length(line)).all()
-        np.testing.assert_allclose(
-            pieces["joint_tension"][:, len(parts) - 1 :: len(parts)], found["joint_tension"], rtol=1e-13
-        )
+        # A joint near the vertex of a steep line knows its tension as well as the forces a thousand times greater.
+        tension = pieces["joint_tension"][:, len(parts) - 1 :: len(parts)]
+        room = 1e-13 * found["joint_tension"] + 1e-15 * found["max_tension"][:, None]
+        missing = np.isnan(found["joint_tension"])
+        assert ((np.abs(tension - found["joint_tension"]) <= room) | missing).all()
+        np.testing.assert_array_equal(np.isnan(tension), missing)
 
 
 def test_lists_of_two_hundred_equal_sections_are_the_line_of_one() -> None:
@@ -531,7 +534,6 @@ def test_the_profile_passes_through_the_joints(given: str) -> None:
     np.testing.assert_array_equal(found["profile_section"], np.tile([1, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5], (200, 1)))
 
 
-@pytest.mark.xfail(reason="the last node is put at the end of the section before", strict=True)
 def test_the_profile_ends_with_a_clump_at_b_however_short() -> None:
     """A load of 10 N on 1e-16 m, less than what a length of 3 m can show."""
     line = {"section_length": [3.0, 1e-16], "section_weight": [1.0, 1e17], "horizontal_tension": 10.0}
@@ -543,7 +545,6 @@ def test_the_profile_ends_with_a_clump_at_b_however_short() -> None:
 # ---- what has no answer ----
 
 
-@pytest.mark.xfail(reason="Newton's steps in V go back and forth within their bracket", strict=True)
 def test_an_upright_line_of_a_heavy_foot_and_a_light_rest_is_solved() -> None:
     """Of 565 m of which all but half a metre lead straight up."""
     line = {"section_length": [0.04, 1.65, 563.5], "section_weight": [0.4, 50.0, 0.002], "rise": 565.189727}

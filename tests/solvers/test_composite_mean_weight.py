@@ -78,7 +78,6 @@ def test_it_refuses_what_the_exact_method_refuses() -> None:
     np.testing.assert_array_equal(by_tension.status, [Status.infeasible, Status.infeasible, Status.ok])
 
 
-@pytest.mark.xfail(reason="NumPy sums longer rows in another order", strict=True)
 @given_either
 def test_a_line_among_longer_lists_is_solved_as_if_alone(given: str) -> None:
     """Bit by bit, also where lists are so long that NumPy would sum them in eight parts."""

@@ -90,7 +90,6 @@ def test_a_line_no_longer_than_its_rise_is_infeasible() -> None:
         np.testing.assert_array_equal(finite, found.status == Status.ok, err_msg=name)
 
 
-@pytest.mark.xfail(reason="NumPy sums longer rows in another order", strict=True)
 def test_a_line_among_longer_lists_is_solved_as_if_alone() -> None:
     """Bit by bit, also where lists are so long that NumPy would sum them in eight parts."""
     line = random_lines(200, seed=9, given="horizontal_tension")

@@ -143,7 +143,6 @@ def test_half_the_strength_must_exceed_the_pull_where_sections_are_given_too() -
     np.testing.assert_array_equal(found.status, [Status.infeasible, Status.infeasible, Status.ok])
 
 
-@pytest.mark.xfail(reason="two computed distances that are as good as the same may differ either way", strict=True)
 def test_a_line_that_is_just_a_little_stronger_than_its_pull_is_feasible() -> None:
     pull = np.random.default_rng(3).uniform(2e4, 3e5, 2000)
     strength = 2.0 * pull * (1.0 + 1e-14)
