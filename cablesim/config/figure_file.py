@@ -10,7 +10,7 @@ from cablesim.config.place_file import Wish, fixed_axes, place, read_point, read
 from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.section_colours import read_colours
 from cablesim.config.table import Table, read_table
-from cablesim.quantities import VECTOR, quantity
+from cablesim.quantities import SHORT, quantity
 
 RUN_TIME = "run_time"
 VIEWS = ("xz", "xy", "yz")
@@ -219,7 +219,7 @@ def _read_convergence(node: Node, stage: Stage) -> dict[str, Any]:
     keys = node.mapping(("kind", "output", "against"), ("x_label", "y_label"))
     if stage.reference is None:
         node.fail("an error needs a method as the scene's reference")
-    outputs = tuple(name for name in stage.names.outputs if quantity(name).dims in ((), VECTOR))
+    outputs = tuple(name for name in stage.names.outputs if quantity(name).dims in SHORT)
     options = tuple(dict.fromkeys(series.option for series in find_series(stage.methods, stage.reference)))
     if not options:
         node.fail("three methods or more that differ in one numerical option alone are needed")

@@ -115,10 +115,12 @@ def read_scene(path: Path) -> Scene:
     points = published.table if published else reference.table if reference else None
     stage = Stage(names, methods, reference.method if reference else None, points, audited=published is not None)
     figures = read_figures(keys["figures"], stage) if "figures" in keys else ()
+    printed = read_printed_tables(keys["tables"], names) if "tables" in keys else ()
     used = [
         *tables,
         *(item.table for item in (reference, published) if item is not None and item.table is not None),
         *(figure.settings["points"].table for figure in figures if figure.settings.get("points")),
+        *(layout.source for layout in printed if layout.source is not None),
     ]
     return Scene(
         name=path.stem,
@@ -133,7 +135,7 @@ def read_scene(path: Path) -> Scene:
         outputs=outputs,
         published=published,
         figures=figures,
-        printed=read_printed_tables(keys["tables"], names) if "tables" in keys else (),
+        printed=printed,
         tables=tuple({table.path: table for table in used}.values()),
     )
 
