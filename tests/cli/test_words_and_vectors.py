@@ -237,7 +237,7 @@ def test_legends_say_words_and_vectors(tmp_path):
     found = run(tmp_path, design="{grid: {line_length: [1, 2], force_A: [[0, 3, 4], [0, 0, 2]]}}", fixed="{}")
     _, axes = plt.subplots()
     drawing._shaded_curves(axes, found, {**settings, "each": "force_A"})
-    assert axes.get_legend_handles_labels()[1] == ["force A = 0, 3, 4", "force A = 0, 0, 2"]
+    assert axes.get_legend_handles_labels()[1] == ["force A = 0 N, 3 N, 4 N", "force A = 0 N, 0 N, 2 N"]
     plt.close("all")
 
 
