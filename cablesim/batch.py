@@ -10,12 +10,14 @@ from typing import Any
 import numpy as np
 
 from cablesim.numerics import Array
-from cablesim.quantities import LIST, SHORT, quantity
+from cablesim.quantities import LIST, SHORT, numbers_per_scenario, quantity
 from cablesim.solver import Solution, Solver, load_solver
 from cablesim.status import Status
 
 # Large enough that calls cost little, small enough that the arrays of a vectorised solver stay in the cache (measured).
 BLOCK = 16384
+# Of the outputs of a block, in memory: profiles and histories make blocks smaller.
+MOST_NUMBERS = 2**25
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,9 @@ class Results:
 
 
 def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | None = None, outputs: Any = ()) -> Results:
-    """Solve scenarios: `parameters` are scalars or arrays of one length, in SI; `outputs` defaults to all but profiles.
+    """Solve scenarios: `parameters` are scalars or arrays of one length, in SI.
+
+    `outputs` defaults to all but profiles and histories.
 
     A vector is given as (3,), as (n, 3) or by its components (`force_A_x`, ...), a word as text. A list (one number for
     each section of the line) is given once for all scenarios, or as one list a scenario, which may differ in length.
@@ -53,10 +57,11 @@ def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...])
     iterations = np.zeros(size, dtype=np.int32)
     values: dict[str, Array] = {}
     if solver.compiled:
-        _solve_block(solver, parameters.part(slice(0, 1)), options, outputs)
+        _warm(solver, parameters.part(slice(0, 1)), options, outputs)
+    block = _block_size(solver, parameters, options, outputs)
     start = perf_counter()
-    for first in range(0, size, BLOCK):
-        rows = slice(first, min(first + BLOCK, size))
+    for first in range(0, size, block):
+        rows = slice(first, min(first + block, size))
         solution, found = _solve_block(solver, parameters.part(rows), options, outputs)
         status[rows] = _final_status(solution.status, [_own(name, v, parameters, rows) for name, v in found.items()])
         if solver.iterates:
@@ -64,19 +69,36 @@ def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...])
         failed = np.flatnonzero(status[rows] != Status.ok)
         for name, value in found.items():
             if name not in values:
-                values[name] = np.empty((size, *value.shape[1:]))
+                values[name] = np.empty((size, *value.shape[1:]), dtype=value.dtype)
             values[name][rows] = value
             if failed.size:
                 values[name][rows][failed] = np.nan
     return Results(values, status, iterations, perf_counter() - start)
 
 
+def _block_size(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]) -> int:
+    lists = any(LIST[0] in quantity(name).dims for name in outputs)
+    sizes = {**solver.sizes(options), LIST[0]: int(parameters.sections.max())} if lists else solver.sizes(options)
+    return max(1, min(BLOCK, MOST_NUMBERS // max(1, numbers_per_scenario(outputs, sizes))))
+
+
+def _warm(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]) -> None:
+    """Let a solver compile what it will need."""
+    warm = getattr(solver.module, "warm", None)
+    if warm is None:
+        _solve_block(solver, parameters, options, outputs)
+        return
+    with np.errstate(all="ignore"):
+        warm(parameters, options, outputs)
+
+
 def _solve_block(
     solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]
 ) -> tuple[Solution, dict[str, Array]]:
     with np.errstate(all="ignore"):
-        solution = solver.module.solve(parameters, options)
-        return solution, {name: getattr(solution.answer, name) for name in outputs}
+        solution = solver.solve(parameters, options, outputs)
+        # Before anything is checked: what is too large for a float32 is not finite.
+        return solution, {name: np.asarray(getattr(solution.answer, name), quantity(name).dtype) for name in outputs}
 
 
 def _own(name: str, value: Array, parameters: Any, rows: slice) -> Array:

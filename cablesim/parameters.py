@@ -30,6 +30,7 @@ def parameter(
     below: float | None = None,
     at_most: float | None = None,
     default: float | str | None = None,
+    otherwise: str | None = None,
     instead_of: str | None = None,
     words: tuple[str, ...] = (),
     vector: bool = False,
@@ -41,9 +42,10 @@ def parameter(
 
     `typical` is the range that property tests and sampling start from; `above` and `below` are open bounds, `at_least`
     and `at_most` closed ones; `instead_of` names the parameter that this one replaces: exactly one of the two is given.
+    One that may be left out, and is then None, says in words what happens `otherwise`; so may one that replaces it.
     """
     bounds = {"above": above, "at_least": at_least, "below": below, "at_most": at_most}
-    kind = {"words": words, "vector": vector, "listed": listed}
+    kind = {"words": words, "vector": vector, "listed": listed, "otherwise": otherwise}
     return field(
         default=default, metadata={"typical": typical, "default": default, "instead_of": instead_of, **kind, **bounds}
     )
@@ -70,8 +72,8 @@ class Batch:
     A number is a float array of shape (scenario,), a vector one of shape (scenario, 3), a list one of shape (scenario,
     section), NaN after the last section of a line, a word its position among the declared words. Scalars and arrays of
     one length go together. `PROBLEMS` (optional) lists the groups of parameters of which exactly one is given; the
-    others are None. Raises InputError naming the parameter, its value and unit, how many are wrong and which is the
-    first.
+    others are None, as are those that may be left out and are. Raises InputError naming the parameter, its value and
+    unit, how many are wrong and which is the first.
     """
 
     PROBLEMS: ClassVar[tuple[tuple[str, ...], ...]] = ()
@@ -131,11 +133,17 @@ class ParameterSpec:
     below: float | None
     at_most: float | None
     listed: bool = False
+    otherwise: str | None = None
     section: int = 0
 
     @property
     def unit(self) -> str:
         return quantity(self.name).unit
+
+    @property
+    def may_be_missing(self) -> bool:
+        """Whether a scenario is complete without it."""
+        return self.default is not None or self.otherwise is not None
 
     @cached_property
     def columns(self) -> tuple["ParameterSpec", ...]:
@@ -417,14 +425,17 @@ def problem_words(parameters: type[Batch]) -> str:
 
 
 def check_given(parameters: type[Batch], given: set[str]) -> None:
-    """Raises InputError unless all that is required is given: one of each pair of alternatives, and one problem."""
+    """Raises InputError unless all that is required is given: one of each pair of alternatives, and one problem.
+
+    What may be left out need not be given, nor what would replace it; but not both are.
+    """
     replaced = {spec.instead_of: spec.name for spec in specs(parameters) if spec.instead_of}
     alternatives = {name for problem in parameters.PROBLEMS for name in problem}
     for spec in specs(parameters):
         other = replaced.get(spec.name)
         if other and spec.name in given and other in given:
             raise InputError(f"{spec.name} and {other} are both given: one of them says it all")
-        if spec.name in given or (other and other in given) or spec.default is not None or spec.instead_of:
+        if spec.name in given or (other and other in given) or spec.instead_of or spec.may_be_missing:
             continue
         if spec.name not in alternatives:
             raise InputError(_missing(spec, f"{spec.name} (or {other})" if other else spec.name))

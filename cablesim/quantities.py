@@ -4,6 +4,7 @@ Parameters, netCDF attributes, `cablesim describe` and figure axes all read this
 Units are spelled as CF (UDUNITS) wants them. A new solver adds a line for each quantity that is new.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -14,7 +15,8 @@ from cablesim.errors import InputError, nearest
 class Quantity:
     """`dims` are the dimensions that a value has within one scenario.
 
-    None for a number, `component` for a vector, `section` for a list with a number for each section of the line.
+    None for a number, `component` for a vector, `section` for a list with a number for each section of the line, `node`
+    for a profile, `time` or `phase` (of a period) for a history.
     """
 
     name: str
@@ -25,6 +27,16 @@ class Quantity:
     standard_name: str | None = None
 
     @property
+    def is_history(self) -> bool:
+        """Whether it has a value for each of many times."""
+        return not HISTORY.isdisjoint(self.dims)
+
+    @property
+    def dtype(self) -> str:
+        """How an output is stored: histories are long, and nobody needs more than six digits of them."""
+        return "float32" if self.is_history else "float64"
+
+    @property
     def label(self) -> str:
         """Name, symbol and unit, as a figure axis or a table head shows them."""
         words = self.name.replace("_", " ")
@@ -32,9 +44,14 @@ class Quantity:
 
 
 COMPONENTS = ("x", "y", "z")
+# Where along the line the tension is recorded.
+PLACES = ("anchor", "middle", "top")
 VECTOR = ("component",)
 LIST = ("section",)
-# Dimensions of what is answered unasked and has an error; profiles are too long for that.
+HISTORY = frozenset(("time", "phase"))
+# Dimensions whose length is a choice of the method.
+LONG = HISTORY | {"node"}
+# Dimensions of what is answered unasked and has an error; profiles and histories are too long for that.
 SHORT = ((), VECTOR, LIST)
 # As many sections can a line in a design have; through Python there is no limit.
 MOST_SECTIONS = 100
@@ -44,7 +61,7 @@ TABLE = (
     Quantity("span", "l", "m", "horizontal distance from support A to support B"),
     Quantity("rise", "h", "m", "height of support B above support A"),
     Quantity("line_length", "L", "m", "unstretched length of the line"),
-    Quantity("length_ratio", "L/l", "1", "line length over span"),
+    Quantity("length_ratio", "L/l", "1", "line length over span; of a line moored in waves, over its chord"),
     Quantity(
         "weight_per_length", "w", "N m-1", "weight of the line per unstretched length, less buoyancy if submerged"
     ),
@@ -63,8 +80,8 @@ TABLE = (
     Quantity("lay_angle", r"\beta", "rad", "angle of the strands of the line to its axis"),
     Quantity("fluid_density", r"\rho", "kg m-3", "density of the fluid"),
     Quantity("stream_speed", "U", "m s-1", "speed of the stream past the line"),
-    Quantity("heading", r"\psi", "rad", "direction in which the stream runs, from x towards y"),
-    Quantity("depth", "Z", "m", "height of end B above end A"),
+    Quantity("heading", r"\psi", "rad", "direction in which stream and waves run, from x towards y"),
+    Quantity("depth", "Z", "m", "height of end B above end A; of a line moored in waves, depth of the still water"),
     Quantity("force_A", r"\mathbf{F}_A", "N", "tension times tangent at end A, tangent from A to B", ("component",)),
     Quantity("position_B", r"\mathbf{r}_B", "m", "position of end B from end A", ("component",)),
     # parameters of a line of sections
@@ -87,6 +104,41 @@ TABLE = (
     Quantity("distance_calm", r"AB", "m", "horizontal distance between the ships in calm water"),
     Quantity("distance_jerk", r"A'B'", "m", "horizontal distance between the ships at half the breaking strength"),
     Quantity("wire_modulus", r"\varepsilon", "Pa", "tension per unit strain of the wire over its diameter squared"),
+    # parameters of a line moored in waves
+    Quantity("chord_angle", r"\alpha", "rad", "angle of the chord from end A to end B above the horizontal, at rest"),
+    Quantity("mass_per_length", "m", "kg m-1", "mass of the line per unstretched length"),
+    Quantity("area", "F", "m2", "cross-section of the line"),
+    Quantity("linear_stiffness", r"C_\varepsilon", "N", "tension per unit strain, where the strain is small"),
+    Quantity(
+        "quadratic_stiffness",
+        r"C_{\varepsilon 1}",
+        "N",
+        "tension per unit strain squared, beside the linear part; negative where the line softens",
+    ),
+    Quantity(
+        "stiffness_ratio",
+        r"C_{\varepsilon 1}/C_\varepsilon",
+        "1",
+        "quadratic over linear stiffness, the strain taken as a fraction; negative where the line softens",
+    ),
+    Quantity("internal_damping", r"C_{\dot\varepsilon}", "N s", "tension per unit rate of strain, of a taut line"),
+    Quantity(
+        "normal_drag", "C_n", "kg m-2", "drag per length over the square of the speed of the fluid across the line"
+    ),
+    Quantity(
+        "tangential_drag",
+        r"C_\tau",
+        "kg m-2",
+        "drag per length over the square of the speed of the fluid along the line",
+    ),
+    Quantity("added_mass_per_length", "C_a", "kg m-1", "mass of fluid per length that is accelerated with the line"),
+    Quantity("wave_period", "T_w", "s", "period of the waves, and of the motion of the top end"),
+    Quantity("top_amplitude", "A", "m", "longer half axis of the ellipse on which the top end moves"),
+    Quantity("motion_angle", r"\vartheta", "rad", "angle of that axis above the direction in which the waves run"),
+    Quantity("axis_ratio", "b/A", "1", "other half axis of the ellipse of the top end over that one"),
+    Quantity("motion_phase", r"\varphi", "rad", "phase of the motion of the top end at the start"),
+    Quantity("duration", r"t_{\max}", "s", "time that is computed"),
+    Quantity("ramp", "t_r", "s", "time in which waves and motion grow from nothing to their full size"),
     # what a hanging line answers
     Quantity("catenary_parameter", "a", "m", "horizontal tension over weight per length; radius at the vertex"),
     Quantity("horizontal_tension", "H", "N", "horizontal component of the tension, the same all along the line"),
@@ -186,6 +238,82 @@ TABLE = (
     ),
     Quantity("closing_error", "e", "m", "distance by which the computed line misses its given end"),
     Quantity("steps", "n", "1", "integration steps, or segments, in all"),
+    # what a line moored in waves answers
+    Quantity("max_top_tension", r"T_{B,\max}", "N", "largest force on the top end over the last periods"),
+    Quantity("min_top_tension", r"T_{B,\min}", "N", "smallest force on the top end over the last periods"),
+    Quantity("mean_top_tension", r"T_{B,\mathrm{mean}}", "N", "mean force on the top end over the last periods"),
+    Quantity("static_top_tension", r"T_{B,0}", "N", "force on the top end at rest, before waves and motion"),
+    Quantity(
+        "max_middle_tension", r"T_{m,\max}", "N", "largest tension in the middle of the line over the last periods"
+    ),
+    Quantity(
+        "min_middle_tension", r"T_{m,\min}", "N", "smallest tension in the middle of the line over the last periods"
+    ),
+    Quantity(
+        "mean_middle_tension",
+        r"T_{m,\mathrm{mean}}",
+        "N",
+        "mean tension in the middle of the line over the last periods",
+    ),
+    Quantity(
+        "static_middle_tension", r"T_{m,0}", "N", "tension in the middle of the line at rest, before waves and motion"
+    ),
+    Quantity("max_anchor_tension", r"T_{A,\max}", "N", "largest force on the anchor over the last periods"),
+    Quantity("min_anchor_tension", r"T_{A,\min}", "N", "smallest force on the anchor over the last periods"),
+    Quantity("mean_anchor_tension", r"T_{A,\mathrm{mean}}", "N", "mean force on the anchor over the last periods"),
+    Quantity("static_anchor_tension", r"T_{A,0}", "N", "force on the anchor at rest, before waves and motion"),
+    Quantity("static_residual", "e_0", "1", "largest force left over on a node at rest over the largest tension"),
+    Quantity("slack_fraction", r"\sigma_0", "1", "part of the line and of the last periods without tension"),
+    Quantity(
+        "snap_count",
+        "n_s",
+        "1",
+        "how often an element that was slack is jerked taut again in the last periods, at most over the elements",
+    ),
+    Quantity("max_strain", r"\varepsilon_{\max}", "1", "largest strain of any element in the whole run"),
+    Quantity(
+        "energy_error",
+        "e_E",
+        "1",
+        "error of the balance of energy over the whole run, relative to what was turned over",
+    ),
+    Quantity("rejected_steps", "n_r", "1", "integration steps that were tried and repeated with a smaller one"),
+    Quantity("rhs_evaluations", "n_f", "1", "how often the forces on the line were computed"),
+    Quantity("mesh_change", "e_h", "1", "relative change of the largest top tension if all elements are halved"),
+    Quantity(
+        "richardson_top_tension", r"T_{B,h \to 0}", "N", "largest top tension, extrapolated to elements of no length"
+    ),
+    Quantity(
+        "profile_max_tension",
+        r"T_{\max}",
+        "N",
+        "largest tension along the line in the last periods, at nodes",
+        ("node",),
+    ),
+    Quantity(
+        "profile_min_tension",
+        r"T_{\min}",
+        "N",
+        "smallest tension along the line in the last periods, at nodes",
+        ("node",),
+    ),
+    Quantity("history", "T", "N", "tension at anchor, middle and top through the whole run", ("time", "place")),
+    Quantity("history_time", "t", "s", "times of the history, of each scenario its own", ("time",)),
+    Quantity(
+        "orbit",
+        r"\mathbf{r}_m",
+        "m",
+        "position of the middle of the line from its place at rest, through the last period",
+        ("phase", "component"),
+    ),
+    Quantity(
+        "snapshots",
+        r"\mathbf{r}",
+        "m",
+        "position along the line from A, through the last period",
+        ("phase", "node", "component"),
+    ),
+    Quantity("snapshot_tension", "T", "N", "tension along the line through the last period", ("phase", "node")),
     # what every solver can tell of its work
     Quantity("iterations", "n", "1", "iterations taken by the method; 0 for a closed formula"),
     Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard"),
@@ -236,6 +364,21 @@ def quantity(name: str) -> Quantity:
         raise InputError(f"unknown quantity '{name}': {nearest(name, QUANTITIES)}") from None
 
 
+def numbers_per_scenario(outputs: Iterable[str], sizes: dict[str, int]) -> int:
+    """How many numbers the outputs of one scenario are, `sizes` being the lengths of dimensions."""
+    return sum(_numbers(name, sizes) for name in outputs)
+
+
+def bytes_per_scenario(outputs: Iterable[str], sizes: dict[str, int]) -> int:
+    """How many bytes the outputs of one scenario are when they are stored."""
+    return sum(_numbers(name, sizes) * (4 if quantity(name).is_history else 8) for name in outputs)
+
+
+def _numbers(name: str, sizes: dict[str, int]) -> int:
+    known = {"component": len(COMPONENTS), "place": len(PLACES), **sizes}
+    return math.prod(known.get(dim, 1) for dim in quantity(name).dims)
+
+
 def _with_components(row: Quantity) -> tuple[Quantity, ...]:
     """A row and, for a vector or a list, those of its components or sections."""
     if row.dims == VECTOR:
@@ -257,3 +400,5 @@ def _part(row: Quantity, part: str, meaning: str) -> Quantity:
 
 
 QUANTITIES = {row.name: row for entry in TABLE for row in _with_components(entry)}
+# Every dimension that a value may have within one scenario.
+OWN_DIMS = tuple(dict.fromkeys(dim for row in TABLE for dim in row.dims))

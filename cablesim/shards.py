@@ -19,7 +19,7 @@ import numpy as np
 from cablesim.config.method import Method
 from cablesim.config.scene import Scene
 from cablesim.design import Axis
-from cablesim.quantities import COMPONENTS, quantity, section_number
+from cablesim.quantities import bytes_per_scenario, section_number
 from cablesim.sources import source_digest
 
 # A job pays about a second for its start; ten seconds of work keep that below a tenth.
@@ -117,15 +117,9 @@ def _plan_method(scene: Scene, method: Method, known: tuple[Recipe, ...]) -> Met
 
 def scenarios_per_shard(method: Method, outputs: tuple[str, ...], sections: int) -> int:
     """How many scenarios are worth a job: by the solver's measured cost, and by the memory its outputs take."""
-    numbers = numbers_per_scenario(outputs, int(method.options.get("nodes", 1)), sections)
-    by_time = SECONDS_PER_SHARD / method.solver.seconds_per_scenario
-    return max(1, int(min(by_time, MOST_SCENARIOS, MOST_BYTES / (8 * max(numbers, 1)))))
-
-
-def numbers_per_scenario(outputs: tuple[str, ...], nodes: int, sections: int) -> int:
-    """How many numbers the outputs of one scenario are."""
-    sizes = {"node": nodes, "component": len(COMPONENTS), "section": sections}
-    return sum(math.prod(sizes[dim] for dim in quantity(name).dims) for name in outputs)
+    size = bytes_per_scenario(outputs, {**method.sizes, "section": sections})
+    by_time = SECONDS_PER_SHARD / method.seconds_per_scenario
+    return max(1, int(min(by_time, MOST_SCENARIOS, MOST_BYTES / max(size, 1))))
 
 
 def _fixed(method: Method, fixed: dict[str, float], axes: tuple[Axis, ...]) -> dict[str, float]:

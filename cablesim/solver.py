@@ -3,11 +3,17 @@
     Parameters   a frozen dataclass on `Batch`: one array per parameter, one entry per scenario (a list: one row)
     Options      (optional) a frozen dataclass of numerical options; the default is none
     OUTPUTS      the names of what it can answer, all rows of the table of quantities
-    SECONDS_PER_SCENARIO   a measured cost, from which shards are sized
+    SECONDS_PER_SCENARIO   a measured cost, from which shards are sized; where that depends on the options, a function
+                 seconds_per_scenario(options) instead
     solve(parameters, options) -> Solution; its answer has an attribute for every output, and one that is a cached
                  property costs nothing unless it is asked for
+    sizes(options)   (optional) lengths of the dimensions of its outputs by name, as {"node": 51, "time": 600}; without
+                 it, "node" is the option `nodes`
     ITERATES     (optional) True where it reports its iterations
     COMPILED     (optional) True where its first call compiles or loads machine code
+    warm(parameters, options, outputs)   (optional) makes that first call, where solving a scenario would take too long
+    RECORDS      (optional) True where it must know beforehand which histories to keep: then it is called
+                 solve(parameters, options, outputs), with the names of what is asked
 
 Nothing registers itself: solvers are found by looking into the folder, and only the one asked for is imported. Modules
 whose name starts with an underscore are shared parts, not solvers.
@@ -81,9 +87,23 @@ class Solver:
         """Whether its first call takes longer, because it compiles or loads machine code."""
         return getattr(self.module, "COMPILED", False)
 
-    @property
-    def seconds_per_scenario(self) -> float:
-        return self.module.SECONDS_PER_SCENARIO
+    def seconds_per_scenario(self, options: Any) -> float:
+        """The measured cost, with these options."""
+        measured = getattr(self.module, "seconds_per_scenario", None)
+        return measured(options) if measured else self.module.SECONDS_PER_SCENARIO
+
+    def sizes(self, options: Any) -> dict[str, int]:
+        """The lengths of its outputs' own dimensions, with these options; those that always have one are left out."""
+        declared = getattr(self.module, "sizes", None)
+        if declared is not None:
+            return declared(options)
+        return {"node": options.nodes} if hasattr(options, "nodes") else {}
+
+    def solve(self, parameters: Any, options: Any, outputs: tuple[str, ...]) -> Solution:
+        """The answer to a batch of scenarios; `outputs` are those that will be looked at."""
+        if getattr(self.module, "RECORDS", False):
+            return self.module.solve(parameters, options, outputs)
+        return self.module.solve(parameters, options)
 
     @cached_property
     def parameters(self) -> dict[str, ParameterSpec]:

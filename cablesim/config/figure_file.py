@@ -241,6 +241,8 @@ def _number(node: Node, stage: Stage) -> tuple[str, set[str]]:
     """A formula and the axes along which it varies; a scene's only method needs no choosing."""
     formula = node.formula()
     along = node.located(stage.names.number, formula)
+    if along & {"time", "phase"}:
+        node.fail("a history has many values a scenario: figures of kind history, orbit and snapshots show it")
     if "node" in along:
         node.fail("a profile has many values a scenario: only a figure of kind profiles shows it")
     if "component" in along:

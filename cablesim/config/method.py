@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from cablesim.solver import Solver
@@ -23,6 +24,16 @@ class Method:
     def columns(self) -> set[str]:
         """The parameters that it has, as designs hold them."""
         return set(self.solver.columns)
+
+    @cached_property
+    def sizes(self) -> dict[str, int]:
+        """The lengths of its outputs' own dimensions."""
+        return self.solver.sizes(self.solver.make_options(self.options))
+
+    @cached_property
+    def seconds_per_scenario(self) -> float:
+        """The measured cost of its solver, with its options."""
+        return self.solver.seconds_per_scenario(self.solver.make_options(self.options))
 
 
 @dataclass(frozen=True)

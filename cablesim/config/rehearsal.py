@@ -15,7 +15,7 @@ from cablesim.design import SCENARIO, Design
 from cablesim.errors import InputError, nearest
 from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
 from cablesim.parameters import ParameterSpec
-from cablesim.quantities import LIST, component_names, is_list, list_name, most_sections, quantity
+from cablesim.quantities import LIST, OWN_DIMS, component_names, is_list, list_name, most_sections, quantity
 from cablesim.status import Status
 
 METHOD = "method"
@@ -91,7 +91,7 @@ class Rehearsal:
 
     @property
     def _dims(self) -> tuple[str, ...]:
-        return (*self._scenario_dims, *LIST, "node", "component")
+        return (*self._scenario_dims, *OWN_DIMS)
 
     def _along_list(self, name: str) -> tuple[str, ...]:
         """The axes along which any section of a list varies."""

@@ -17,7 +17,7 @@ from cablesim.config.table import Table, read_table
 from cablesim.design import Design
 from cablesim.errors import InputError, nearest
 from cablesim.parameters import nearest_parameter
-from cablesim.quantities import component_names, most_sections, quantity, section_number
+from cablesim.quantities import LONG, component_names, most_sections, quantity, section_number
 from cablesim.solver import load_solver
 
 # What the cells of an audited table are called; the last one may be called otherwise.
@@ -289,11 +289,8 @@ def _check_methods(
 ) -> None:
     """Every method must have, or say that it ignores, every parameter; and be given all it needs."""
     given = design.parameters | set(fixed)
-    if (
-        any("node" in quantity(name).dims for name in outputs)
-        and len({method.options.get("nodes") for method in methods}) > 1
-    ):
-        node.fail("all methods of a scene with profiles must have the same number of nodes")
+    for name in outputs:
+        node.located(_check_sizes, name, methods)
     for method in methods:
         place = node.mapping(optional=None)[method.name]
         for entry in _ignored(place):
@@ -305,6 +302,15 @@ def _check_methods(
             place.fail(f"{method.solver.name} has no parameter '{unknown[0]}': {meant}")
         place.located(method.solver.check_columns, given & method.columns)
         _check_bounds(place, method, design, fixed)
+
+
+def _check_sizes(output: str, methods: tuple[Method, ...]) -> None:
+    """A profile or history must be as long in all methods."""
+    for dim in sorted(LONG & set(quantity(output).dims)):
+        lengths = [method.sizes.get(dim, 0) for method in methods]
+        if len(set(lengths)) > 1:
+            found = ", ".join(f"{method.name} {length}" for method, length in zip(methods, lengths, strict=True))
+            raise InputError(f"all methods must have the same number of {dim}s in {output}, not {found}")
 
 
 def _check_bounds(node: Node, method: Method, design: Design, fixed: dict[str, float]) -> None:

@@ -59,7 +59,7 @@ def _compare_scene(scene: str, a: xr.Dataset, b: xr.Dataset, tolerance: float) -
             continue
         values_a, values_b = _by_scenario(a, output), _by_scenario(b, output)
         if values_a.shape[1] != values_b.shape[1]:
-            rows.append({**shared, "output": f"{output} (other nodes)", "differs": True})
+            rows.append({**shared, "output": f"{output} (other sizes)", "differs": True})
             continue
         change = _change(values_a[in_a], values_b[in_b], tolerance)
         rows.append(

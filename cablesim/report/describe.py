@@ -33,6 +33,7 @@ def _parameters(solver: Solver) -> list[str]:
         notes += ["list, one number a section"] if spec.listed else []
         notes += [f"one of {', '.join(spec.words)}"] if spec.words else []
         notes += [f"default {_default(spec.default)}"] if spec.default is not None else []
+        notes += [f"if left out: {spec.otherwise}"] if spec.otherwise else []
         notes += [f"instead of {spec.instead_of}"] if spec.instead_of else []
         lines.append(_line(spec.name, ", ".join(notes)))
     return [*lines, f"  Given: {solver.problems}."] if solver.problems else lines

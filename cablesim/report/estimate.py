@@ -3,12 +3,13 @@
 import math
 
 from cablesim.config.scene import Scene
-from cablesim.shards import numbers_per_scenario, plan_methods
+from cablesim.quantities import bytes_per_scenario
+from cablesim.shards import plan_methods
 
 # Measured: a lean job starts in about a second, collecting, tables and figures take a few more for each scene.
 SECONDS_PER_JOB = 1.0
 SECONDS_PER_SCENE = 5.0
-SECONDS_PER_STORED_NUMBER = 4e-8
+SECONDS_PER_BYTE = 5e-9
 
 
 def estimate(scene: Scene) -> str:
@@ -22,14 +23,14 @@ def estimate(scene: Scene) -> str:
     seconds = SECONDS_PER_SCENE
     for method, plan in zip(scene.methods, plans, strict=True):
         solved = sum(math.prod(p.recipe.shape) for p in plan.placements)
-        work = solved * method.solver.seconds_per_scenario
+        work = solved * method.seconds_per_scenario
         seconds += work + SECONDS_PER_JOB * len(plan.placements)
         shards = f"{len(plan.placements)} shard(s), about {_duration(work)}"
         lines.append(f"  {method.name} ({method.solver.name}): {solved} to solve in {shards}")
-    nodes = max(int(method.options.get("nodes", 1)) for method in scene.methods)
-    numbers = len(scene.methods) * scene.size * numbers_per_scenario(scene.outputs, nodes, scene.sections)
-    seconds += 2 * numbers * SECONDS_PER_STORED_NUMBER
-    lines.append(f"  in all about {_duration(seconds)} on one core, at most {_size(16 * numbers)} on disk")
+    sizes = [{**method.sizes, "section": scene.sections} for method in scene.methods]
+    stored = 2 * scene.size * sum(bytes_per_scenario(scene.outputs, own) for own in sizes)
+    seconds += stored * SECONDS_PER_BYTE
+    lines.append(f"  in all about {_duration(seconds)} on one core, at most {_size(stored)} on disk")
     return "\n".join(lines)
 
 

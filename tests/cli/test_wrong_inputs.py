@@ -780,13 +780,14 @@ def test_a_misspelt_or_repeated_parameter_is_refused(solver: Solver, name: str, 
 
 @pytest.mark.parametrize(("solver", "name"), PARAMETERS, ids=named(PARAMETERS))
 def test_a_missing_parameter_is_asked_for(solver: Solver, name: str, here: Path, ask: Ask) -> None:
-    """One with a default may be missing, and is then what the default says."""
+    """One with a default may be missing, or one that says what happens otherwise, and what would replace that."""
     good = good_values(solver, name)
     given = {key: value for key, value in good.items() if key != name}
-    if solver.parameters[name].default is not None:
+    spec = solver.parameters[name]
+    if spec.may_be_missing or (spec.instead_of and solver.parameters[spec.instead_of].may_be_missing):
         assert ask("solve", solver.name, *assignments(given)).code in (0, 1)
         return
-    wanted = solver.parameters[name].instead_of or name
+    wanted = spec.instead_of or name
     assert_refused(ask("solve", solver.name, *assignments(given)), wanted)
     if given:  # a scene is one of something
         (here / "asked.yaml").write_text(as_scene(solver, given))
