@@ -46,10 +46,19 @@ TENSION = 21
 SLOPE = 22  # of the tension by the element's length, where it is taut
 STRAIN = 23
 POWER = 24  # of all forces that have no potential
-ELEMENT_ROWS = 25
 
-# What elimination leaves of a node: D^-1 B by rows, and D^-1 r.
-FACTOR_ROWS = 12
+# Rows of an element from here on belong to whoever marches the line.
+FREE_ELEMENT = 25
+ELEMENT_ROWS = 36
+
+# What is known of a node, each three rows, and what elimination leaves of it: D^-1 B by rows, and D^-1 r.
+PLACE = 0
+VELOCITY = 3
+ACCELERATION = 6
+CHANGE = 9
+FACTORED = 12
+FREE_NODE = 24
+NODE_ROWS = 45
 TINY = 1e-300
 
 
@@ -65,25 +74,29 @@ def tension(strain, rate, linear, quadratic, damping, piece, rate_factor):
 
 
 @compiled
-def assemble(x, v, a, fluid, line, factors, elements, count, width):
-    """Fill `elements` for lines at the places x, velocities v and accelerations a, each (node, 3, lane), flat.
+def assemble(nodes, fluid, line, factors, elements, count, width):
+    """Fill `elements` (element, ELEMENT_ROWS, lane) for the places, velocities and accelerations in `nodes`.
 
     `fluid` (element, 6, lane) is the fluid's velocity and acceleration at the middle of each element; `factors` (2,
     lane) are the derivatives of velocity and of acceleration by place that the integrator implies.
     """
-    L = LANES
+    L, R = LANES, NODE_ROWS * LANES
     for e in range(count):
-        xs, vs, accs = x[3 * L * e : 3 * L * (e + 2)], v[3 * L * e : 3 * L * (e + 2)], a[3 * L * e : 3 * L * (e + 2)]
+        ends = nodes[NODE_ROWS * L * e : NODE_ROWS * L * (e + 2)]
         flow, out = fluid[6 * L * e : 6 * L * (e + 1)], elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
         for w in range(width):
             by_v, by_a = factors[w], factors[L + w]
             h = line[PIECE * L + w]
-            dx, dy, dz = xs[3 * L + w] - xs[w], xs[4 * L + w] - xs[L + w], xs[5 * L + w] - xs[2 * L + w]
+            dx, dy, dz = (
+                ends[R + PLACE * L + w] - ends[PLACE * L + w],
+                ends[R + (PLACE + 1) * L + w] - ends[(PLACE + 1) * L + w],
+                ends[R + (PLACE + 2) * L + w] - ends[(PLACE + 2) * L + w],
+            )
             length = math.sqrt(dx * dx + dy * dy + dz * dz)
             inverse = 1.0 / (length + TINY)
             tx, ty, tz = dx * inverse, dy * inverse, dz * inverse
-            lx, ly, lz = vs[w], vs[L + w], vs[2 * L + w]
-            rx, ry, rz = vs[3 * L + w], vs[4 * L + w], vs[5 * L + w]
+            lx, ly, lz = ends[VELOCITY * L + w], ends[(VELOCITY + 1) * L + w], ends[(VELOCITY + 2) * L + w]
+            rx, ry, rz = ends[R + VELOCITY * L + w], ends[R + (VELOCITY + 1) * L + w], ends[R + (VELOCITY + 2) * L + w]
             strain = length / h - 1.0
             rate = tx * (rx - lx) + ty * (ry - ly) + tz * (rz - lz)
             pull, slope, viscous = tension(
@@ -117,8 +130,12 @@ def assemble(x, v, a, fluid, line, factors, elements, count, width):
 
             # inertia at the left and the right node
             own, other = line[OWN_SHARE * L + w], line[OTHER_SHARE * L + w]
-            ax, ay, az = accs[w], accs[L + w], accs[2 * L + w]
-            bx, by, bz = accs[3 * L + w], accs[4 * L + w], accs[5 * L + w]
+            ax, ay, az = ends[ACCELERATION * L + w], ends[(ACCELERATION + 1) * L + w], ends[(ACCELERATION + 2) * L + w]
+            bx, by, bz = (
+                ends[R + ACCELERATION * L + w],
+                ends[R + (ACCELERATION + 1) * L + w],
+                ends[R + (ACCELERATION + 2) * L + w],
+            )
             qx, qy, qz = own * ax + other * bx, own * ay + other * by, own * az + other * bz
             sx, sy, sz = other * ax + own * bx, other * ay + own * by, other * az + own * bz
             qt, st = lost * (qx * tx + qy * ty + qz * tz), lost * (sx * tx + sy * ty + sz * tz)
@@ -165,19 +182,19 @@ def assemble(x, v, a, fluid, line, factors, elements, count, width):
 
 
 @compiled
-def solve_inner(elements, factored, carry, change, count, width):
-    """The change of place (node, 3, lane) of the inner nodes that leaves no force over, to first order.
+def solve_inner(elements, nodes, carry, count, width):
+    """The change of place of the inner nodes that leaves no force over, to first order.
 
     Elimination from the first to the last inner node, each block by L D L'; then back. The end nodes do not move.
-    `factored` (node, FACTOR_ROWS, lane) and `carry` (9, lane) are room to work in.
+    `carry` (9, lane) is room to work in.
     """
-    L = LANES
+    L, R = LANES, NODE_ROWS * LANES
     for w in range(9 * L):
         carry[w] = 0.0
     for j in range(1, count):
         before, after = ELEMENT_ROWS * L * (j - 1), ELEMENT_ROWS * L * j
         left, right = elements[before:after], elements[after : after + ELEMENT_ROWS * L]
-        kept = factored[FACTOR_ROWS * L * j : FACTOR_ROWS * L * (j + 1)]
+        kept = nodes[R * j + FACTORED * L : R * (j + 1)]
         for w in range(width):
             # the block of this node, and its factors
             xx = left[OWN * L + w] + right[OWN * L + w] - carry[w]
@@ -242,13 +259,14 @@ def solve_inner(elements, factored, carry, change, count, width):
             kept[10 * L + w] = s2
             kept[11 * L + w] = s3
     for w in range(3 * L):
-        change[w] = 0.0
-        change[3 * L * count + w] = 0.0
+        nodes[CHANGE * L + w] = 0.0
+        nodes[R * count + CHANGE * L + w] = 0.0
     for j in range(count - 1, 0, -1):
-        here, there = change[3 * L * j : 3 * L * (j + 1)], change[3 * L * (j + 1) : 3 * L * (j + 2)]
-        kept = factored[FACTOR_ROWS * L * j : FACTOR_ROWS * L * (j + 1)]
+        kept = nodes[R * j : R * (j + 2)]
         for w in range(width):
-            x, y, z = there[w], there[L + w], there[2 * L + w]
-            here[w] = kept[9 * L + w] - (kept[w] * x + kept[L + w] * y + kept[2 * L + w] * z)
-            here[L + w] = kept[10 * L + w] - (kept[3 * L + w] * x + kept[4 * L + w] * y + kept[5 * L + w] * z)
-            here[2 * L + w] = kept[11 * L + w] - (kept[6 * L + w] * x + kept[7 * L + w] * y + kept[8 * L + w] * z)
+            x, y, z = kept[R + CHANGE * L + w], kept[R + (CHANGE + 1) * L + w], kept[R + (CHANGE + 2) * L + w]
+            for row in range(3):
+                f = (FACTORED + 3 * row) * L + w
+                kept[(CHANGE + row) * L + w] = kept[(FACTORED + 9 + row) * L + w] - (
+                    kept[f] * x + kept[f + L] * y + kept[f + 2 * L] * z
+                )
