@@ -40,14 +40,16 @@ def solve(solver: str, parameters: dict[str, Any], options: dict[str, Any] | Non
     Raises InputError for anything unknown, missing or impossible in the request.
     """
     chosen = load_solver(solver)
-    wanted = tuple(outputs) or default_outputs(chosen)
-    chosen.check_outputs(wanted)
-    return run(chosen, chosen.make_parameters(parameters), chosen.make_options(options or {}), wanted)
+    made = chosen.make_options(options or {})
+    wanted = tuple(outputs) or default_outputs(chosen, made)
+    chosen.check_outputs(wanted, made)
+    return run(chosen, chosen.make_parameters(parameters), made, wanted)
 
 
-def default_outputs(solver: Solver) -> tuple[str, ...]:
-    """The outputs that are one number, one vector or one number a section per scenario."""
-    return tuple(name for name in solver.outputs if quantity(name).dims in SHORT)
+def default_outputs(solver: Solver, options: Any = None) -> tuple[str, ...]:
+    """The outputs that are one number, one vector or one number a section per scenario, with some options or any."""
+    answered = solver.outputs if options is None else solver.answered(options)
+    return tuple(name for name in answered if quantity(name).dims in SHORT)
 
 
 def run(solver: Solver, parameters: Any, options: Any, outputs: tuple[str, ...]) -> Results:

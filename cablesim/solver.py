@@ -9,6 +9,7 @@
                  property costs nothing unless it is asked for
     sizes(options)   (optional) lengths of the dimensions of its outputs by name, as {"node": 51, "time": 600}; without
                  it, "node" is the option `nodes`
+    answered(options)   (optional) those of OUTPUTS that it has with these options; without it, all
     ITERATES     (optional) True where it reports its iterations
     COMPILED     (optional) True where its first call compiles or loads machine code
     warm(parameters, options, outputs)   (optional) makes that first call, where solving a scenario would take too long
@@ -76,6 +77,11 @@ class Solver:
     @property
     def outputs(self) -> tuple[str, ...]:
         return self.module.OUTPUTS
+
+    def answered(self, options: Any) -> tuple[str, ...]:
+        """The outputs that it has with these options."""
+        declared = getattr(self.module, "answered", None)
+        return declared(options) if declared else self.outputs
 
     @property
     def iterates(self) -> bool:
@@ -170,11 +176,13 @@ class Solver:
         read = {name: self.options[name].read(value) for name, value in values.items()}
         return getattr(self.module, "Options", NoOptions)(**read)
 
-    def check_outputs(self, names: tuple[str, ...]) -> None:
-        """Raises InputError for an output it does not have."""
+    def check_outputs(self, names: tuple[str, ...], options: Any) -> None:
+        """Raises InputError for an output it does not have, or not with these options."""
         for name in names:
             if name not in self.outputs:
                 raise InputError(f"{self.name} has no output '{name}': {nearest(name, self.outputs)}")
+            if name not in self.answered(options):
+                raise InputError(f"{self.name} has no output '{name}' with these options")
 
 
 def solver_names() -> list[str]:

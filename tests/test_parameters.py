@@ -289,3 +289,100 @@ def test_a_section_of_a_list_is_a_quantity():
     for other in ("section_length", "section_length_0", "section_length_01", "force_A_x", "tension_A", "depth_1"):
         assert (list_name(other), section_number(other)) == ("", 0)
     assert f"section_length_{MOST_SECTIONS + 1}" not in QUANTITIES
+
+
+# ---- parameters that may be left out, and histories ----
+
+SWUNG = {"depth": 10.0, "wave_period": [4.0, 8.0]}
+
+
+@pytest.fixture
+def swinging_line(pulled_line):
+    """A solver with parameters that may be left out, and with histories."""
+    solver = load_solver("swinging_line")
+    solver.module.CALLS.clear()
+    yield solver
+    load_solver.cache_clear()
+
+
+def test_what_may_be_left_out_is_none_and_otherwise_an_array(swinging_line):
+    p = made(swinging_line, **SWUNG, duration=5.0)
+    assert p.duration.tolist() == [5.0, 5.0]
+    assert p.wave_height is p.top_amplitude is p.quadratic_stiffness is p.stiffness_ratio is None
+    assert p.linear_stiffness.tolist() == [1e3, 1e3]
+    assert p.part(slice(1, 2)).wave_height is None
+    assert p.part(slice(1, 2)).duration.tolist() == [5.0]
+
+
+@pytest.mark.parametrize("given", [{}, {"wave_height": 1.0}, {"top_amplitude": 2.0}])
+@pytest.mark.parametrize("ratio", [{}, {"quadratic_stiffness": 1.0}, {"stiffness_ratio": -0.1}])
+def test_any_of_what_may_be_left_out_is_taken(given, ratio, swinging_line):
+    p = made(swinging_line, **SWUNG, **given, **ratio)
+    found = {name for name in swinging_line.parameters if getattr(p, name) is not None}
+    assert found == {"depth", "wave_period", "linear_stiffness", *given, *ratio}
+
+
+def test_two_that_may_be_left_out_may_both_be_given(swinging_line):
+    assert made(swinging_line, **SWUNG, wave_height=1.0, top_amplitude=2.0).size == 2
+
+
+@pytest.mark.parametrize(
+    ("values", "complaint"),
+    [
+        (
+            {"quadratic_stiffness": 1.0, "stiffness_ratio": 1.0},
+            "quadratic_stiffness and stiffness_ratio are both given",
+        ),
+        ({"duration": -1.0}, "^duration must be finite and > 0 s: it is -1 s$"),
+        ({"wave_height": [1.0, np.nan]}, r"1 of 2 are not \(first: scenario 1, nan m\)$"),
+    ],
+)
+def test_what_may_be_left_out_is_checked_if_it_is_given(values, complaint, swinging_line):
+    with pytest.raises(InputError, match=complaint):
+        made(swinging_line, **SWUNG, **values)
+
+
+def test_what_must_be_given_is_still_asked_for(swinging_line):
+    with pytest.raises(InputError, match=r"^missing parameter wave_period \[s\]"):
+        made(swinging_line, depth=1.0, duration=2.0)
+
+
+def test_the_solver_is_told_which_outputs_are_asked(swinging_line):
+    found = batch.solve("swinging_line", SWUNG, outputs=("max_top_tension", "history"))
+    asked = ("max_top_tension", "history")
+    calls = swinging_line.module.CALLS
+    assert calls == [("warm", 1, asked), ("solve", 2, asked)]
+    assert found.outputs["history"].dtype == np.float32
+    assert found.outputs["history"].shape == (2, 13, 3)
+
+
+def test_histories_do_not_come_unasked(swinging_line):
+    assert tuple(batch.solve("swinging_line", SWUNG).outputs) == ("max_top_tension",)
+    checked = batch.solve("swinging_line", SWUNG, {"mesh_check": "yes"})
+    assert tuple(checked.outputs) == ("max_top_tension", "mesh_change")
+    with pytest.raises(InputError, match=r"^swinging_line has no output 'mesh_change' with these options$"):
+        batch.solve("swinging_line", SWUNG, outputs=("mesh_change",))
+
+
+def test_a_failed_scenario_has_no_history_and_one_too_large_for_its_numbers_fails(swinging_line):
+    values = {
+        "depth": 10.0,
+        "wave_period": 4.0,
+        "top_amplitude": [1.0, 11.0, 1.0],
+        "linear_stiffness": [1e3, 1e3, 1e40],
+    }
+    found = batch.solve("swinging_line", values, outputs=("history", "snapshots"))
+    assert found.status.tolist() == [Status.ok, Status.infeasible, Status.out_of_domain]
+    for values in found.outputs.values():
+        assert np.isnan(values.reshape(3, -1)).all(axis=1).tolist() == [False, True, True]
+
+
+def test_long_histories_make_small_blocks(swinging_line, monkeypatch):
+    values = {"depth": np.arange(1.0, 6.0), "wave_period": 4.0}
+    whole = batch.solve("swinging_line", values, outputs=("history",))
+    swinging_line.module.CALLS.clear()
+    monkeypatch.setattr(batch, "MOST_NUMBERS", 100)
+    cut = batch.solve("swinging_line", values, outputs=("history",))
+    # 13 times at 3 places: two scenarios a block.
+    assert [size for call, size, _ in swinging_line.module.CALLS if call == "solve"] == [2, 2, 1]
+    np.testing.assert_array_equal(cut.outputs["history"], whole.outputs["history"])

@@ -26,14 +26,19 @@ class Method:
         return set(self.solver.columns)
 
     @cached_property
+    def made_options(self) -> Any:
+        """The options as the solver takes them."""
+        return self.solver.make_options(self.options)
+
+    @property
     def sizes(self) -> dict[str, int]:
         """The lengths of its outputs' own dimensions."""
-        return self.solver.sizes(self.solver.make_options(self.options))
+        return self.solver.sizes(self.made_options)
 
-    @cached_property
+    @property
     def seconds_per_scenario(self) -> float:
         """The measured cost of its solver, with its options."""
-        return self.solver.seconds_per_scenario(self.solver.make_options(self.options))
+        return self.solver.seconds_per_scenario(self.made_options)
 
 
 @dataclass(frozen=True)

@@ -200,7 +200,7 @@ def _read_outputs(node: Node, methods: tuple[Method, ...]) -> tuple[str, ...]:
         if name in names:
             entry.fail(f"the output '{name}' is listed twice")
         for method in methods:
-            entry.located(method.solver.check_outputs, (name,))
+            entry.located(method.solver.check_outputs, (name,), method.made_options)
         names.append(name)
     return tuple(names)
 
