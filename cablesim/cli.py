@@ -57,7 +57,7 @@ def describe(solver: str) -> None:
 @click.argument("solver")
 @click.argument("parameters", nargs=-1, metavar="NAME=VALUE...")
 @click.option("--option", "options", multiple=True, metavar="NAME=VALUE", help="A numerical option of the solver.")
-@click.option("--outputs", metavar="NAME,...", help="Only these outputs (default: all but profiles).")
+@click.option("--outputs", metavar="NAME,...", help="Only these outputs (default: all but profiles and histories).")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object, in SI.")
 def solve(
     solver: str, parameters: tuple[str, ...], options: tuple[str, ...], outputs: str | None, as_json: bool
@@ -145,8 +145,11 @@ def query(
     if form in ("parquet", "netcdf") and output is None and sys.stdout.isatty():
         raise InputError(f"{form} is not for a terminal: name a file with --output, or redirect standard output")
     dataset = open_scene(results, scene)
-    found = queries.query(dataset, condition, _names(columns))
-    rendered = queries.render(found, form)
+    if form == "netcdf":
+        rendered = queries.query_netcdf(dataset, condition, _names(columns))
+    else:
+        found = queries.query(dataset, condition, _names(columns))
+        rendered = queries.render(found, form)
     if output is None:
         sys.stdout.buffer.write(rendered)
     else:

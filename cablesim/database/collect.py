@@ -18,7 +18,7 @@ from cablesim.database.shard_file import check_shards, chunk_sizes, read_shard
 from cablesim.files import written_whole
 from cablesim.parameters import ParameterSpec
 from cablesim.plan import ScenePlan
-from cablesim.quantities import COMPONENTS, LIST, QUANTITIES, component_names, quantity, section_number
+from cablesim.quantities import COMPONENTS, LIST, PLACES, QUANTITIES, component_names, quantity, section_number
 from cablesim.shards import Placement
 from cablesim.sources import source_digest
 from cablesim.status import Status
@@ -177,9 +177,21 @@ def _coordinates(scene: Scene) -> dict[str, Any]:
         numbers = np.arange(1, scene.sections + 1, dtype=np.int32)
         coords["section"] = ("section", numbers, {"long_name": "number of the section, from A to B"})
         coords |= {name: _list(scene, name) for name, spec in scene.parameters.items() if spec.listed}
-    if any("component" in quantity(name).dims for name in scene.outputs):
-        coords["component"] = ("component", _words(COMPONENTS), {"long_name": "component of a vector"})
-    return coords
+    return coords | _own_coordinates(scene)
+
+
+def _own_coordinates(scene: Scene) -> dict[str, Any]:
+    """Coordinates of the dimensions that values have within one scenario."""
+    sizes = scene.methods[0].sizes
+    phases, times = sizes.get("phase", 1), sizes.get("time", 1)
+    known = {
+        "component": (_words(COMPONENTS), "component of a vector"),
+        "place": (_words(PLACES), "where along the line"),
+        "phase": (np.arange(phases) / phases, "part of the last period that has passed"),
+        "time": (np.arange(times, dtype=np.int32), "number of the time; the times are history_time"),
+    }
+    used = {dim for name in scene.outputs for dim in quantity(name).dims}
+    return {dim: (dim, values, {"long_name": words}) for dim, (values, words) in known.items() if dim in used}
 
 
 def _list(scene: Scene, name: str) -> tuple[tuple[str, ...], np.ndarray, dict[str, Any]]:
@@ -253,6 +265,14 @@ def _provenance(scene: Scene, revision: str) -> dict[str, Any]:
     return attributes
 
 
+def _chunks(name: str, shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Chunks of a variable; a history is read one scenario at a time."""
+    if name not in QUANTITIES or not QUANTITIES[name].is_history:
+        return chunk_sizes(shape)
+    scenario_dims = len(shape) - len(QUANTITIES[name].dims)
+    return (*(1,) * scenario_dims, *chunk_sizes(shape[scenario_dims:]))
+
+
 def _encoding(dataset: xr.Dataset) -> dict[str, Any]:
     encoding: dict[str, Any] = {}
     for name, variable in dataset.variables.items():
@@ -263,7 +283,7 @@ def _encoding(dataset: xr.Dataset) -> dict[str, Any]:
                 "complevel": 1,
                 "shuffle": True,
                 "fletcher32": True,
-                "chunksizes": chunk_sizes(variable.shape),
+                "chunksizes": _chunks(str(name), variable.shape),
             }
         if variable.dtype.kind == "U":
             # Fixed-width characters, which every netCDF reader understands.

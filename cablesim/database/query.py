@@ -1,4 +1,4 @@
-"""Ask a scene for scenarios: a condition, columns, a format."""
+"""Ask a scene for scenarios: a condition, columns, a format. Only netCDF has room for profiles and histories."""
 
 import io
 import json
@@ -12,7 +12,7 @@ import xarray as xr
 
 from cablesim.database.reading import select, status_words, with_components
 from cablesim.errors import InputError, nearest
-from cablesim.quantities import QUANTITIES
+from cablesim.quantities import OWN_DIMS, QUANTITIES, SHORT
 
 FORMATS = ("table", "csv", "json", "parquet", "netcdf")
 TABLE_ROWS = 200
@@ -31,6 +31,17 @@ def query(dataset: xr.Dataset, condition: str | None, columns: tuple[str, ...] =
     return pd.DataFrame({name: _values(dataset, name, where) for name in chosen})
 
 
+def query_netcdf(dataset: xr.Dataset, condition: str | None, columns: tuple[str, ...] = ()) -> bytes:
+    """The answer to a query as a netCDF file, with what has many values a scenario: profiles and histories."""
+    long = [str(name) for name in dataset.data_vars if _is_long(dataset[str(name)])]
+    short = tuple(name for name in columns if name not in long)
+    asked = [name for name in columns or long if name in long]
+    table = query(dataset, condition, short) if short or not columns else pd.DataFrame()
+    chosen = _mask(dataset, condition)
+    arrays = {name: _long_values(dataset[name], chosen) for name in asked}
+    return _as_netcdf(table, arrays, _own_coords(dataset, asked))
+
+
 def units_of(table: pd.DataFrame) -> dict[str, str]:
     """The SI unit of each column of numbers that has one."""
     numbers = table.select_dtypes("number").columns
@@ -38,8 +49,8 @@ def units_of(table: pd.DataFrame) -> dict[str, str]:
 
 
 def render(table: pd.DataFrame, form: str) -> bytes:
-    """The table in one of the formats."""
-    writers = {"table": _as_table, "csv": _as_csv, "json": _as_json, "parquet": _as_parquet, "netcdf": _as_netcdf}
+    """The table in one of the formats of tables."""
+    writers = {"table": _as_table, "csv": _as_csv, "json": _as_json, "parquet": _as_parquet}
     return writers[form](table)
 
 
@@ -57,6 +68,8 @@ def _columns(dataset: xr.Dataset, columns: tuple[str, ...]) -> list[str]:
     scenario_dims = set(dataset.status.dims)
     known = [str(name) for name in dataset.variables if set(dataset[name].dims) <= scenario_dims]
     for name in columns:
+        if name in dataset.data_vars and _is_long(dataset[name]):
+            raise InputError(f"'{name}' has many values a scenario: only --format netcdf has room for them")
         if name not in known:
             raise InputError(f"no column '{name}': {nearest(name, known)}")
     coords = [name for name in known if name in dataset.coords and dataset[name].ndim > 0]
@@ -101,8 +114,24 @@ def _as_parquet(table: pd.DataFrame) -> bytes:
     return buffer.getvalue()
 
 
-def _as_netcdf(table: pd.DataFrame) -> bytes:
-    dataset = xr.Dataset({name: ("scenario", _plain(table[name])) for name in table.columns})
+def _is_long(values: xr.DataArray) -> bool:
+    return values.name in QUANTITIES and QUANTITIES[str(values.name)].dims not in SHORT
+
+
+def _long_values(values: xr.DataArray, mask: np.ndarray) -> xr.Variable:
+    """The scenarios that were asked for, in the order of the rows of a table."""
+    own = QUANTITIES[str(values.name)].dims
+    whole = values.transpose(..., *own)
+    return xr.Variable(("scenario", *own), whole.values[mask], values.attrs)
+
+
+def _own_coords(dataset: xr.Dataset, names: list[str]) -> dict[str, xr.Variable]:
+    dims = {dim for name in names for dim in QUANTITIES[name].dims}
+    return {dim: dataset[dim].variable for dim in OWN_DIMS if dim in dims and dim in dataset.coords}
+
+
+def _as_netcdf(table: pd.DataFrame, long: dict[str, xr.Variable], coords: dict[str, xr.Variable]) -> bytes:
+    dataset = xr.Dataset({name: ("scenario", _plain(table[name])) for name in table.columns} | long, coords)
     for name, unit in units_of(table).items():
         dataset[name].attrs = {"units": unit, "long_name": QUANTITIES[name].meaning}
     with tempfile.TemporaryDirectory() as folder:

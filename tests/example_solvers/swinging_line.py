@@ -49,6 +49,7 @@ class Parameters(Batch):
 @dataclass(frozen=True)
 class Options:
     segments: int = option(4, at_least=1, at_most=1000, meaning="elements of the line")
+    rtol: float = option(1e-3, at_least=1e-9, at_most=1.0, meaning="changes nothing")
     samples: int = option(13, at_least=2, at_most=100_000, meaning="points of a history")
     phases: int = option(4, at_least=1, at_most=1000, meaning="snapshots in a period")
     mesh_check: str = option("no", one_of=("no", "yes"), meaning="whether the elements are halved")
