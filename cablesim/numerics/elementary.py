@@ -13,7 +13,6 @@ import numpy as np
 
 from cablesim.numerics.compiled import compiled
 
-LANES = 8
 # Angles up to which a multiple of pi/2 times its first two parts is exact.
 LARGEST_ANGLE = 1e6
 # Beyond these the exponential is that of the bound: the results are not far from the least and largest numbers.

@@ -49,7 +49,7 @@ POWER = 24  # of all forces that have no potential
 
 # Rows of an element from here on belong to whoever marches the line.
 FREE_ELEMENT = 25
-ELEMENT_ROWS = 36
+ELEMENT_ROWS = 37
 
 # What is known of a node, each three rows, and what elimination leaves of it: D^-1 B by rows, and D^-1 r.
 PLACE = 0

@@ -22,7 +22,8 @@ import numpy as np
 
 from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
-from cablesim.numerics.elementary import LANES, exponential, sine_cosine
+from cablesim.numerics.elementary import exponential, sine_cosine
+from cablesim.numerics.lanes import LANES
 
 GRAVITY = 9.80665
 NEWTON_STEPS = 4

@@ -1,0 +1,241 @@
+"""What is kept of a line while it moves: extremes and means over the window, energy, and histories if they are asked.
+
+The window are the last whole periods, which every quantity but the largest strain and the balance of energy is for.
+Between steps an end's tension is a parabola through three of them, a history a straight line.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from cablesim.numerics.compiled import compiled
+from cablesim.numerics.lanes import LANES
+from cablesim.physics.nodal_line import (
+    ADDED,
+    ELEMENT_ROWS,
+    LINEAR,
+    MASS,
+    NODE_ROWS,
+    OTHER_SHARE,
+    OWN_SHARE,
+    PIECE,
+    PLACE,
+    QUADRATIC,
+    VELOCITY,
+    WEIGHT,
+)
+from cablesim.solvers._wave_pack import (
+    ACCEPTED,
+    ANCHOR_NOW,
+    END,
+    LARGEST,
+    LARGEST_STRAIN,
+    LEAST,
+    NEW,
+    NEW_STRAIN,
+    OLD_PLACE,
+    PAST1,
+    PERIOD,
+    POWER_NOW,
+    SCENARIO,
+    SLACK_TIME,
+    SNAPS,
+    STEP,
+    TIME,
+    WAS_SLACK,
+    WINDOW,
+)
+
+# Tallies of a lane: three numbers each for anchor, middle and top, then the rest.
+BEFORE, EARLIER, MOST, LOWEST, SUM = 0, 3, 6, 9, 12
+(
+    POWER_BEFORE,
+    WORK,
+    TURNOVER,  # integral of the power without its sign
+    ENERGY,
+    NEXT_SAMPLE,
+    NEXT_PHASE,
+    EARLIER_STEP,
+    SNAP_TENSION,
+    TALLY_ROWS,
+) = range(15, 24)
+
+# An element snaps where it is pulled from nothing to this part of the static tension at the top.
+SNAP_SHARE = 0.05
+
+
+class Records(NamedTuple):
+    """Written by the march, one row a scenario; the last four are empty unless histories are asked for.
+
+    `ends` (scenario, 3, 3): largest, least and mean tension of anchor, middle and top; `line` (scenario, 4): slack
+    fraction, snaps, largest strain, energy error; `extremes` (scenario, element, 2): largest and least tension;
+    `history` (scenario, time, 3); `orbit` (scenario, phase, 3); `shapes` (scenario, phase, node, 3); `pulls` (scenario,
+    phase, element).
+    """
+
+    ends: np.ndarray
+    line: np.ndarray
+    extremes: np.ndarray
+    history: np.ndarray
+    orbit: np.ndarray
+    shapes: np.ndarray
+    pulls: np.ndarray
+
+
+@compiled
+def begin_tally(pack, tally, w, supports):
+    """A lane begins a scenario, at rest; `supports` are the tensions at anchor, middle and top then."""
+    for row in range(TALLY_ROWS):
+        tally[row * LANES + w] = 0.0
+    for c in range(3):
+        tally[(LOWEST + c) * LANES + w] = np.inf
+        tally[(BEFORE + c) * LANES + w] = supports[c]
+    tally[SNAP_TENSION * LANES + w] = SNAP_SHARE * supports[2]
+    elements = pack.elements.size // (ELEMENT_ROWS * LANES)
+    for e in range(elements):
+        pack.elements[(ELEMENT_ROWS * e + LEAST) * LANES + w] = np.inf
+    tally[ENERGY * LANES + w] = energy(pack, w, elements)
+
+
+@compiled
+def energy(pack, w, count):
+    """Kinetic energy of the line without the fluid, elastic energy, and weight times height, of one lane."""
+    line, total = pack.line, 0.0
+    piece, mass = line[PIECE * LANES + w], line[MASS * LANES + w] - line[ADDED * LANES + w]
+    own, other = line[OWN_SHARE * LANES + w], line[OTHER_SHARE * LANES + w]
+    linear, quadratic = line[LINEAR * LANES + w], line[QUADRATIC * LANES + w]
+    for e in range(count):
+        ends = pack.nodes[NODE_ROWS * LANES * e : NODE_ROWS * LANES * (e + 2)]
+        squares, length = 0.0, 0.0
+        for k in range(3):
+            left, right = ends[(VELOCITY + k) * LANES + w], ends[(NODE_ROWS + VELOCITY + k) * LANES + w]
+            squares += own * (left * left + right * right) + 2.0 * other * left * right
+            length += (ends[(NODE_ROWS + PLACE + k) * LANES + w] - ends[(PLACE + k) * LANES + w]) ** 2
+        strain = np.sqrt(length) / piece - 1.0
+        height = 0.5 * (ends[(PLACE + 2) * LANES + w] + ends[(NODE_ROWS + PLACE + 2) * LANES + w])
+        elastic = (0.5 * linear + quadratic * strain / 3.0) * strain * strain if strain > 0.0 else 0.0
+        total += piece * (0.5 * mass * squares + elastic + line[WEIGHT * LANES + w] * height)
+    return total
+
+
+@compiled
+def note_elements(elements, method, lane, tally, count, width):
+    """Extremes, slack time and snaps of every element after a step that a lane accepted.
+
+    `lane` has the time before the step, which lies within the window or before it.
+    """
+    L = LANES
+    for e in range(count):
+        own = elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
+        for w in range(width):
+            is_accepted = lane[ACCEPTED * L + w] > 0.0
+            is_noted = is_accepted & (lane[TIME * L + w] >= lane[WINDOW * L + w])
+            pull, strain, slack = own[NEW * L + w], own[NEW_STRAIN * L + w], own[WAS_SLACK * L + w]
+            is_more = is_noted & (pull > own[LARGEST * L + w])
+            is_less = is_noted & (pull < own[LEAST * L + w])
+            own[LARGEST * L + w] = pull if is_more else own[LARGEST * L + w]
+            own[LEAST * L + w] = pull if is_less else own[LEAST * L + w]
+            is_longer = is_accepted & (strain > own[LARGEST_STRAIN * L + w])
+            own[LARGEST_STRAIN * L + w] = strain if is_longer else own[LARGEST_STRAIN * L + w]
+            share = (0.5 if pull <= 0.0 else 0.0) + (0.5 if own[PAST1 * L + w] <= 0.0 else 0.0)
+            own[SLACK_TIME * L + w] += share * method[STEP * L + w] if is_noted else 0.0
+            is_snap = is_noted & (slack > 0.0) & (pull > tally[SNAP_TENSION * L + w])
+            own[SNAPS * L + w] += 1.0 if is_snap else 0.0
+            slack = 1.0 if pull <= 0.0 else (0.0 if pull > tally[SNAP_TENSION * L + w] else slack)
+            own[WAS_SLACK * L + w] = slack if is_accepted else own[WAS_SLACK * L + w]
+
+
+@compiled
+def note_ends(pack, tally, w):
+    """Tensions of anchor, middle and top, and the work done, after an accepted step of one lane."""
+    lane, h = pack.lane, pack.method[STEP * LANES + w]
+    time, window = lane[TIME * LANES + w], lane[WINDOW * LANES + w]
+    before = tally[EARLIER_STEP * LANES + w]
+    for c in range(3):
+        now = lane[(ANCHOR_NOW + c) * LANES + w]
+        last, earlier = tally[(BEFORE + c) * LANES + w], tally[(EARLIER + c) * LANES + w]
+        if time >= window:
+            most, least = max(now, tally[(MOST + c) * LANES + w]), min(now, tally[(LOWEST + c) * LANES + w])
+            if time - before >= window and (last - earlier) * (now - last) < 0.0:
+                turn = turning_value(earlier, last, now, before, h)
+                most, least = max(most, turn), min(least, max(turn, 0.0))
+            tally[(MOST + c) * LANES + w], tally[(LOWEST + c) * LANES + w] = most, least
+            tally[(SUM + c) * LANES + w] += 0.5 * h * (now + last)
+        tally[(EARLIER + c) * LANES + w], tally[(BEFORE + c) * LANES + w] = last, now
+    tally[EARLIER_STEP * LANES + w] = h
+    power, last = lane[POWER_NOW * LANES + w], tally[POWER_BEFORE * LANES + w]
+    tally[WORK * LANES + w] += 0.5 * h * (power + last)
+    tally[TURNOVER * LANES + w] += 0.5 * h * (abs(power) + abs(last))
+    tally[POWER_BEFORE * LANES + w] = power
+
+
+@compiled
+def turning_value(earlier, last, now, before, h):
+    """Where the parabola through three values turns, the second of them being the largest or the least."""
+    rise, fall = (last - earlier) / before, (now - last) / h
+    bend = (fall - rise) / (before + h)
+    slope = rise + bend * before
+    return last - slope * slope / (4.0 * bend)
+
+
+@compiled
+def note_history(pack, tally, w, records, count):
+    """Samples and shapes whose times lie within an accepted step of one lane; its state of before is still there."""
+    L, lane = LANES, pack.lane
+    scenario, time, h = int(lane[SCENARIO * L + w]), lane[TIME * L + w], pack.method[STEP * L + w]
+    end, period = lane[END * L + w], lane[PERIOD * L + w]
+    samples, phases = records.history.shape[1], records.orbit.shape[1]
+    sample = int(tally[NEXT_SAMPLE * L + w])
+    while sample < samples and sample * end / (samples - 1) <= time + h * (1.0 + 1e-9):
+        share = min((sample * end / (samples - 1) - time) / h, 1.0)
+        for c in range(3):
+            last, now = tally[(BEFORE + c) * L + w], lane[(ANCHOR_NOW + c) * L + w]
+            records.history[scenario, sample, c] = last + share * (now - last)
+        sample += 1
+    tally[NEXT_SAMPLE * L + w] = sample
+    phase = int(tally[NEXT_PHASE * L + w])
+    while phase < phases and end - period * (1.0 - phase / phases) <= time + h * (1.0 + 1e-9):
+        share = min(max((end - period * (1.0 - phase / phases) - time) / h, 0.0), 1.0)
+        note_shape(pack, w, records, scenario, phase, share, count)
+        phase += 1
+    tally[NEXT_PHASE * L + w] = phase
+
+
+@compiled
+def note_shape(pack, w, records, scenario, phase, share, count):
+    """Places and tensions at a part of the step."""
+    for j in range(count + 1):
+        node = pack.nodes[NODE_ROWS * LANES * j : NODE_ROWS * LANES * (j + 1)]
+        for k in range(3):
+            last, now = node[(OLD_PLACE + k) * LANES + w], node[(PLACE + k) * LANES + w]
+            records.shapes[scenario, phase, j, k] = last + share * (now - last)
+    for e in range(count):
+        element = pack.elements[ELEMENT_ROWS * LANES * e : ELEMENT_ROWS * LANES * (e + 1)]
+        last, now = element[PAST1 * LANES + w], element[NEW * LANES + w]
+        records.pulls[scenario, phase, e] = last + share * (now - last)
+    for k in range(3):
+        middle = records.shapes[scenario, phase, count // 2, k] + records.shapes[scenario, phase, (count + 1) // 2, k]
+        records.orbit[scenario, phase, k] = 0.5 * middle
+
+
+@compiled
+def finish_tally(pack, tally, w, records, count):
+    """A lane's scenario is over: its row of the records."""
+    L, scenario = LANES, int(pack.lane[SCENARIO * LANES + w])
+    span = pack.lane[END * L + w] - pack.lane[WINDOW * L + w]
+    for c in range(3):
+        records.ends[scenario, c, 0] = tally[(MOST + c) * L + w]
+        records.ends[scenario, c, 1] = tally[(LOWEST + c) * L + w]
+        records.ends[scenario, c, 2] = tally[(SUM + c) * L + w] / span
+    slack, snaps, strain = 0.0, 0.0, 0.0
+    for e in range(count):
+        element = pack.elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
+        slack += element[SLACK_TIME * L + w] / (count * span)
+        snaps = max(snaps, element[SNAPS * L + w])
+        strain = max(strain, element[LARGEST_STRAIN * L + w])
+        records.extremes[scenario, e, 0] = element[LARGEST * L + w]
+        records.extremes[scenario, e, 1] = element[LEAST * L + w]
+    gain = energy(pack, w, count) - tally[ENERGY * L + w]
+    size = max(tally[TURNOVER * L + w], abs(gain))
+    records.line[scenario, 0], records.line[scenario, 1], records.line[scenario, 2] = slack, snaps, strain
+    records.line[scenario, 3] = abs(gain - tally[WORK * L + w]) / (size + 1e-300)

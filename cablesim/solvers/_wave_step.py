@@ -1,0 +1,394 @@
+"""One step of many lines side by side by the generalised-alpha method, each with its own length of step.
+
+    M a' = f';  x' = x + h v + h^2 ((1/2 - beta) q + beta q'),  v' = v + h ((1 - gamma) q + gamma q')
+    (1 - alpha_m) q' + alpha_m q = (1 - alpha_f) a' + alpha_f a
+
+This is Arnold and Bruels' form, which is of second order for any mass matrix; q is the acceleration at a time shifted by
+theta h, theta = alpha_m - alpha_f, and is shifted anew where the step changes. Motion that the step does not resolve
+loses all but a part rho of its amplitude each step.
+
+Newton's method solves for the new places. It ends where the next correction of any tension or place would be a small
+part of the tolerance, by the rate at which corrections shrink, and no element passed through zero tension in the last
+one. Of each lane everything is kept as it was when that lane had converged, so that no lane sees the others.
+
+References: J. Chung, G. Hulbert, J. Appl. Mech. 60 (1993) 371; M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185.
+"""
+
+import math
+
+from cablesim.numerics.compiled import compiled
+from cablesim.numerics.lanes import LANES
+from cablesim.physics.nodal_line import (
+    ACCELERATION,
+    CHANGE,
+    ELEMENT_ROWS,
+    LEFT,
+    NODE_ROWS,
+    OTHER,
+    PIECE,
+    PLACE,
+    POWER,
+    RIGHT,
+    SLOPE,
+    STRAIN,
+    TANGENT,
+    TENSION,
+    TINY,
+    VELOCITY,
+    assemble,
+    solve_inner,
+)
+from cablesim.physics.waves import fluid_at, top_motion
+from cablesim.solvers._wave_pack import (
+    ACCELERATION_BY_PLACE,
+    ACCELERATION_NEW,
+    ACCELERATION_OLD,
+    ACCELERATION_PAST,
+    ACTIVE,
+    AHEAD,
+    ALL_MOVES,
+    ANCHOR_NOW,
+    CONVERGED,
+    CORRECTION,
+    DISTANCE,
+    END,
+    EVALUATIONS,
+    EXTRAPOLATED1,
+    EXTRAPOLATED2,
+    EXTRAPOLATED3,
+    LARGEST_MISS,
+    LARGEST_MOVE,
+    LARGEST_SHIFT,
+    LAST_STEP,
+    MIDDLE_NOW,
+    NEW,
+    NEW_STRAIN,
+    NEXT_STEP,
+    OLD_ACCELERATION,
+    OLD_PLACE,
+    OLD_SHIFTED,
+    OLD_VELOCITY,
+    PAST1,
+    PAST2,
+    PAST3,
+    PAST_SHIFTED,
+    PERIOD,
+    PLACE_DEFECT,
+    PLACE_ERROR,
+    PLACE_NEW,
+    PLACE_OLD,
+    PLACE_SCALE,
+    POWER_IN,
+    POWER_NOW,
+    RESCALED,
+    SCENARIO,
+    SHIFT_TIME,
+    SHIFTED,
+    SLACK_NOW,
+    SLACK_UNTIL,
+    START_SHIFTED,
+    STEP,
+    STEP_BEFORE,
+    TENSION_DEFECT,
+    TENSION_ERROR,
+    TENSION_SCALE,
+    TIME,
+    TOP_NOW,
+    VELOCITY_BY_PLACE,
+    VELOCITY_NEW,
+    VELOCITY_OLD,
+    WINDOW,
+)
+
+# rho of a line that is taut, and of one that has been slack within half a period: a snap would ring on for ever in the
+# shortest waves of the mesh.
+RHO_TAUT, RHO_SLACK = 0.7, 0.0
+STEPS_PER_PERIOD = 16.0
+MOST_ITERATIONS = 10
+# What the next correction may still be, in tolerances.
+LEFT_OVER = 0.3
+DIVERGES = 2.0
+# A step that would leave less than this part of itself to a time that is to be met goes there at once.
+NEARLY = 0.01
+
+
+@compiled
+def set_method(pack, w):
+    """The length of the next step of a lane, and the numbers of the method that follow from it."""
+    m, lane = pack.method, pack.lane
+    time = lane[TIME * LANES + w]
+    h = step_to_meet(time, lane[NEXT_STEP * LANES + w], lane[WINDOW * LANES + w], lane[END * LANES + w])
+    h = min(h, lane[PERIOD * LANES + w] / STEPS_PER_PERIOD)
+    rho = RHO_SLACK if time < lane[SLACK_UNTIL * LANES + w] else RHO_TAUT
+    alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+    theta = alpha_m - alpha_f
+    gamma, beta = 0.5 - theta, 0.25 * (1.0 - theta) ** 2
+    m[STEP * LANES + w] = h
+    m[PLACE_NEW * LANES + w], m[PLACE_OLD * LANES + w] = beta * h * h, (0.5 - beta) * h * h
+    m[VELOCITY_NEW * LANES + w], m[VELOCITY_OLD * LANES + w] = gamma * h, (1.0 - gamma) * h
+    m[ACCELERATION_NEW * LANES + w] = (1.0 - alpha_m) / (1.0 - alpha_f)
+    m[ACCELERATION_OLD * LANES + w] = alpha_m / (1.0 - alpha_f)
+    m[ACCELERATION_PAST * LANES + w] = -alpha_f / (1.0 - alpha_f)
+    m[VELOCITY_BY_PLACE * LANES + w] = gamma / (beta * h)
+    m[ACCELERATION_BY_PLACE * LANES + w] = m[ACCELERATION_NEW * LANES + w] / (beta * h * h)
+    m[RESCALED * LANES + w] = theta * h / lane[SHIFT_TIME * LANES + w]
+    m[AHEAD * LANES + w] = h / lane[LAST_STEP * LANES + w]
+    defect = abs(beta + 0.5 * theta - 1.0 / 6.0)
+    m[PLACE_DEFECT * LANES + w] = defect * h * h
+    set_extrapolation(m, w, h, lane[LAST_STEP * LANES + w], lane[STEP_BEFORE * LANES + w], defect)
+    m[ACTIVE * LANES + w] = 1.0
+    lane[CONVERGED * LANES + w] = 0.0
+    lane[CORRECTION * LANES + w] = -1.0
+
+
+@compiled
+def step_to_meet(time, step, window, end):
+    """A step that does not pass the next of two times, and does not leave a tiny one before it."""
+    rest = (window if time < window else end) - time
+    if step > (1.0 - NEARLY) * rest:
+        return rest
+    return 0.5 * rest if step > 0.5 * rest else step
+
+
+@compiled
+def set_extrapolation(m, w, h, last, before, defect):
+    """A parabola through the last three tensions, and the error of the method over the distance from it."""
+    two, three = last + before, h + last + before
+    m[EXTRAPOLATED1 * LANES + w] = (h + last) * three / (last * two)
+    m[EXTRAPOLATED2 * LANES + w] = -h * three / (last * before)
+    m[EXTRAPOLATED3 * LANES + w] = h * (h + last) / (before * two)
+    m[TENSION_DEFECT * LANES + w] = 6.0 * defect * h * h / ((h + last) * three)
+
+
+@compiled
+def predict(nodes, method, count, width):
+    """Places, velocities and accelerations of the inner nodes, q changing as it did in the last step."""
+    L = LANES
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
+        for k in range(3):
+            own = node[k * L :]
+            for w in range(width):
+                a0, q0 = own[OLD_ACCELERATION * L + w], own[OLD_SHIFTED * L + w]
+                start = a0 + method[RESCALED * L + w] * (q0 - a0)
+                q = start + method[AHEAD * L + w] * (q0 - own[PAST_SHIFTED * L + w])
+                v0 = own[OLD_VELOCITY * L + w]
+                own[START_SHIFTED * L + w] = start
+                own[SHIFTED * L + w] = q
+                own[PLACE * L + w] = own[OLD_PLACE * L + w] + (
+                    method[STEP * L + w] * v0 + method[PLACE_OLD * L + w] * start + method[PLACE_NEW * L + w] * q
+                )
+                own[VELOCITY * L + w] = v0 + method[VELOCITY_OLD * L + w] * start + method[VELOCITY_NEW * L + w] * q
+                own[ACCELERATION * L + w] = (
+                    method[ACCELERATION_NEW * L + w] * q
+                    + method[ACCELERATION_OLD * L + w] * start
+                    + method[ACCELERATION_PAST * L + w] * a0
+                )
+
+
+@compiled
+def move_ends(pack, problem, count, width):
+    """Each lane's time at the end of the step, and where its top end is then."""
+    L = LANES
+    top = pack.nodes[NODE_ROWS * L * count :]
+    for w in range(width):
+        scenario = int(pack.lane[SCENARIO * L + w])
+        pack.times[w] = pack.lane[TIME * L + w] + pack.method[STEP * L + w]
+        if scenario < 0:
+            continue
+        top_motion(pack.times[w], pack.motion, w, pack.top)
+        for k in range(3):
+            top[(PLACE + k) * L + w] = problem.starts[scenario, count, k] + pack.top[k * L + w]
+            top[(VELOCITY + k) * L + w] = pack.top[(3 + k) * L + w]
+            top[(ACCELERATION + k) * L + w] = pack.top[(6 + k) * L + w]
+
+
+@compiled
+def find_fluid(pack, count, width):
+    """Velocity and acceleration of the fluid at the middle of the elements."""
+    L = LANES
+    for e in range(count):
+        ends = pack.nodes[NODE_ROWS * L * e : NODE_ROWS * L * (e + 2)]
+        middle = pack.points[3 * L * e : 3 * L * (e + 1)]
+        for k in range(3):
+            for w in range(width):
+                middle[k * L + w] = 0.5 * (ends[k * L + w] + ends[(NODE_ROWS + k) * L + w])
+    fluid_at(pack.times[:width], pack.points, count, pack.wave, pack.fluid)
+
+
+@compiled
+def iterate(pack, has_waves, rtol, count, width):
+    """Newton's method, until it has ended in all lanes."""
+    for _ in range(MOST_ITERATIONS):
+        if has_waves:
+            find_fluid(pack, count, width)
+        assemble(pack.nodes, pack.fluid, pack.line, pack.method, pack.elements, count, width)
+        solve_inner(pack.elements, pack.nodes, pack.carry, count, width)
+        for row in (LARGEST_SHIFT, LARGEST_MISS, LARGEST_MOVE, ALL_MOVES):
+            pack.lane[row * LANES : (row + 1) * LANES] = 0.0
+        clear_power(pack.lane, pack.method, width)
+        measure(pack.nodes, pack.elements, pack.line, pack.method, pack.lane, count, width)
+        move(pack.nodes, pack.method, pack.lane, count, width)
+        busy = False
+        for w in range(width):
+            if pack.method[ACTIVE * LANES + w] > 0.0:
+                settle(pack, w, rtol, count)
+                busy |= pack.method[ACTIVE * LANES + w] > 0.0
+        if not busy:
+            return
+
+
+@compiled
+def clear_power(lane, method, width):
+    for w in range(width):
+        if method[ACTIVE * LANES + w] > 0.0:
+            lane[POWER_IN * LANES + w] = 0.0
+
+
+@compiled
+def measure(nodes, elements, line, method, lane, count, width):
+    """Tensions and strains after the correction, the largest correction, and the largest pass through zero."""
+    L, R = LANES, NODE_ROWS * LANES
+    for e in range(count):
+        ends = nodes[R * e : R * (e + 2)]
+        own = elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
+        for w in range(width):
+            longer = (
+                own[TANGENT * L + w] * (ends[R + CHANGE * L + w] - ends[CHANGE * L + w])
+                + own[(TANGENT + 1) * L + w] * (ends[R + (CHANGE + 1) * L + w] - ends[(CHANGE + 1) * L + w])
+                + own[(TANGENT + 2) * L + w] * (ends[R + (CHANGE + 2) * L + w] - ends[(CHANGE + 2) * L + w])
+            )
+            pull, slope, piece = own[TENSION * L + w], own[SLOPE * L + w], line[PIECE * L + w]
+            strain = own[STRAIN * L + w]
+            is_taut = pull > 0.0
+            found = pull + slope * longer if is_taut else slope * (strain * piece + longer)
+            kept = found if found > 0.0 else 0.0
+            miss = kept - found if is_taut else kept
+            shift = abs(kept - pull)
+            is_active = method[ACTIVE * L + w] > 0.0
+            own[NEW * L + w] = kept if is_active else own[NEW * L + w]
+            own[NEW_STRAIN * L + w] = strain + longer / piece if is_active else own[NEW_STRAIN * L + w]
+            lane[LARGEST_SHIFT * L + w] = shift if shift > lane[LARGEST_SHIFT * L + w] else lane[LARGEST_SHIFT * L + w]
+            lane[LARGEST_MISS * L + w] = miss if miss > lane[LARGEST_MISS * L + w] else lane[LARGEST_MISS * L + w]
+            lane[POWER_IN * L + w] += own[POWER * L + w] if is_active else 0.0
+
+
+@compiled
+def move(nodes, method, lane, count, width):
+    """Correct the inner nodes of the lanes that are not done."""
+    L = LANES
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
+        for k in range(3):
+            own = node[k * L :]
+            for w in range(width):
+                change = own[CHANGE * L + w] if method[ACTIVE * L + w] > 0.0 else 0.0
+                own[PLACE * L + w] += change
+                own[VELOCITY * L + w] += method[VELOCITY_BY_PLACE * L + w] * change
+                own[ACCELERATION * L + w] += method[ACCELERATION_BY_PLACE * L + w] * change
+                own[SHIFTED * L + w] += change / method[PLACE_NEW * L + w]
+                size = abs(change)
+                lane[ALL_MOVES * L + w] += size
+                lane[LARGEST_MOVE * L + w] = size if size > lane[LARGEST_MOVE * L + w] else lane[LARGEST_MOVE * L + w]
+
+
+@compiled
+def settle(pack, w, rtol, count):
+    """Decide whether Newton's method has ended in a lane; if it converged, keep the forces on its ends."""
+    lane = pack.lane
+    lane[EVALUATIONS * LANES + w] += 1.0
+    scale = rtol * lane[TENSION_SCALE * LANES + w]
+    size = max(
+        lane[LARGEST_SHIFT * LANES + w] / scale, lane[LARGEST_MOVE * LANES + w] / (rtol * lane[PLACE_SCALE * LANES + w])
+    )
+    last = lane[CORRECTION * LANES + w]
+    # By how much corrections shrink is not known after the first one.
+    shrinks = size / (last + TINY) if last >= 0.0 else 1.0
+    lane[CORRECTION * LANES + w] = size
+    if not math.isfinite(lane[ALL_MOVES * LANES + w]) or (shrinks > DIVERGES and size > 1.0):
+        pack.method[ACTIVE * LANES + w] = 0.0
+    elif shrinks * size <= LEFT_OVER and lane[LARGEST_MISS * LANES + w] <= LEFT_OVER * scale:
+        pack.method[ACTIVE * LANES + w] = 0.0
+        lane[CONVERGED * LANES + w] = 1.0
+        keep_forces(pack, w, count)
+
+
+@compiled
+def keep_forces(pack, w, count):
+    """Forces of the supports on the end nodes, the tension in the middle and the power of all that has no potential."""
+    L, R, E = LANES, NODE_ROWS * LANES, ELEMENT_ROWS * LANES
+    first, last = pack.elements[:E], pack.elements[E * (count - 1) : E * count]
+    inner, outer, top = pack.nodes[R : 2 * R], pack.nodes[R * (count - 1) : R * count], pack.nodes[R * count :]
+    anchor, pull, power = 0.0, 0.0, pack.lane[POWER_IN * L + w]
+    for k in range(3):
+        force = first[(LEFT + k) * L + w] - coupled(first, inner, k, w)
+        anchor += force * force
+        force = last[(RIGHT + k) * L + w] - coupled(last, outer, k, w)
+        pull += force * force
+        power -= force * top[(VELOCITY + k) * L + w]
+    before, after = pack.elements[E * ((count - 1) // 2) :], pack.elements[E * (count // 2) :]
+    pack.lane[ANCHOR_NOW * L + w], pack.lane[TOP_NOW * L + w] = math.sqrt(anchor), math.sqrt(pull)
+    pack.lane[MIDDLE_NOW * L + w] = 0.5 * (before[NEW * L + w] + after[NEW * L + w])
+    pack.lane[POWER_NOW * L + w] = power
+
+
+@compiled
+def coupled(element, node, k, w):
+    """A component of the force that the last correction of a node took from the other end of its element."""
+    rows = (0, 1, 2) if k == 0 else ((1, 3, 4) if k == 1 else (2, 4, 5))
+    total = 0.0
+    for i in range(3):
+        total += element[(OTHER + rows[i]) * LANES + w] * node[(CHANGE + i) * LANES + w]
+    return total
+
+
+@compiled
+def judge(nodes, elements, method, lane, count, width):
+    """Estimate the errors of the step, and see whether any element is slack."""
+    L = LANES
+    for w in range(width):
+        lane[TENSION_ERROR * L + w] = lane[PLACE_ERROR * L + w] = lane[SLACK_NOW * L + w] = 0.0
+    for e in range(count):
+        own = elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
+        for w in range(width):
+            own[DISTANCE * L + w] = own[NEW * L + w] - (
+                method[EXTRAPOLATED1 * L + w] * own[PAST1 * L + w]
+                + method[EXTRAPOLATED2 * L + w] * own[PAST2 * L + w]
+                + method[EXTRAPOLATED3 * L + w] * own[PAST3 * L + w]
+            )
+            lane[SLACK_NOW * L + w] += 0.0 if own[NEW * L + w] > 0.0 else 1.0
+    for e in range(count):
+        judge_tension(elements, method, lane, e, count, width)
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
+        for k in range(3):
+            own = node[k * L :]
+            for w in range(width):
+                error = method[PLACE_DEFECT * L + w] * abs(own[SHIFTED * L + w] - own[START_SHIFTED * L + w])
+                lane[PLACE_ERROR * L + w] = error if error > lane[PLACE_ERROR * L + w] else lane[PLACE_ERROR * L + w]
+
+
+@compiled
+def judge_tension(elements, method, lane, e, count, width):
+    """The error of the tension of an element and its neighbours, (1 4 6 4 1)/16 of each; the line's ends mirror it.
+
+    Waves of two elements' length, which are the mesh's and not the line's, have no part in that.
+    """
+    L, size = LANES, ELEMENT_ROWS * LANES
+    before2, before1 = mirrored(e - 2, count), mirrored(e - 1, count)
+    after1, after2 = mirrored(e + 1, count), mirrored(e + 2, count)
+    a = elements[size * before2 + DISTANCE * L : size * before2 + (DISTANCE + 1) * L]
+    b = elements[size * before1 + DISTANCE * L : size * before1 + (DISTANCE + 1) * L]
+    c = elements[size * e + DISTANCE * L : size * e + (DISTANCE + 1) * L]
+    d = elements[size * after1 + DISTANCE * L : size * after1 + (DISTANCE + 1) * L]
+    f = elements[size * after2 + DISTANCE * L : size * after2 + (DISTANCE + 1) * L]
+    for w in range(width):
+        error = method[TENSION_DEFECT * L + w] * abs(a[w] + f[w] + 4.0 * (b[w] + d[w]) + 6.0 * c[w]) / 16.0
+        lane[TENSION_ERROR * L + w] = error if error > lane[TENSION_ERROR * L + w] else lane[TENSION_ERROR * L + w]
+
+
+@compiled
+def mirrored(e, count):
+    """The number of an element, beyond the ends of the line counted back from there."""
+    inside = -1 - e if e < 0 else (2 * count - 1 - e if e >= count else e)
+    return min(max(inside, 0), count - 1)
