@@ -5,16 +5,27 @@ from itertools import pairwise
 from typing import Any
 
 from cablesim.config.document import Node
-from cablesim.config.method import Method, find_series
-from cablesim.config.place_file import Wish, fixed_axes, place, read_point, read_wishes
-from cablesim.config.rehearsal import METHOD, Rehearsal
+from cablesim.config.figure_parts import (
+    Stage,
+    check_stored,
+    read_across,
+    read_methods,
+    read_panels,
+    read_shapes,
+    read_texts,
+    read_view,
+)
+from cablesim.config.history_figure import read_history
+from cablesim.config.method import find_series
+from cablesim.config.orbit_figure import read_orbit
+from cablesim.config.place_file import fixed_axes
+from cablesim.config.rehearsal import METHOD
 from cablesim.config.section_colours import read_colours
+from cablesim.config.snapshot_figure import read_snapshots
 from cablesim.config.table import Table, read_table
 from cablesim.quantities import SHORT, quantity
 
 RUN_TIME = "run_time"
-VIEWS = ("xz", "xy", "yz")
-MOST_ACROSS = 6
 AUTOMATIC = "auto"
 
 
@@ -36,25 +47,6 @@ class Points:
     y: dict[str, str]
 
 
-@dataclass(frozen=True)
-class Shape:
-    """One scenario whose profile is drawn: how it is called, and its position on each axis."""
-
-    label: str
-    position: dict[str, int]
-
-
-@dataclass(frozen=True)
-class Stage:
-    """What figures are checked against: names, methods, reference method, printed points, and whether it is audited."""
-
-    names: Rehearsal
-    methods: tuple[Method, ...]
-    reference: str | None
-    points: Table | None
-    audited: bool
-
-
 def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
     """The figures of a scene. Raises InputError naming file, line and key for what cannot be drawn."""
     readers = {
@@ -62,6 +54,9 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
         "map": _read_map,
         "profiles": _read_profiles,
         "spatial": _read_spatial,
+        "history": read_history,
+        "orbit": read_orbit,
+        "snapshots": read_snapshots,
         "convergence": _read_convergence,
         "audit": _read_audit,
     }
@@ -99,7 +94,7 @@ def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
         "points": _read_points(keys["points"], stage) if "points" in keys else None,
         "log": keys["log"].choice(("x", "y", "xy")) if "log" in keys else "",
         "draw": keys["draw"].choice(("lines", "marks")) if "draw" in keys else "lines",
-        **_texts(keys, ("x_label", "y_label", "each_label")),
+        **read_texts(keys, ("x_label", "y_label", "each_label")),
         **_where(keys, stage),
     }
 
@@ -138,7 +133,7 @@ def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
         **settings,
         "log": log,
         "contours": _read_contours(keys["contours"]) if "contours" in keys else (),
-        **_texts(keys, ("label", "x_label", "y_label")),
+        **read_texts(keys, ("label", "x_label", "y_label")),
         **_where(keys, stage),
     }
 
@@ -155,31 +150,23 @@ def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
     """Panels, one for each value of `at`; in each a curve for each value of `each` and for each method."""
     look = ("view", "points", "x_label", "y_label", "titles", "across", "stretch", "colour", "names")
     keys = node.mapping(("kind",), ("at", "each", "point", "methods", *look))
-    wishes = read_wishes(keys["at"], stage.names) if "at" in keys else [None]
-    headings = _read_titles(keys, [wish.words if wish else "" for wish in wishes])
-    shapes = [_shapes(node, keys, wish, stage) for wish in wishes]
-    positions = [shape.position for panel in shapes for shape in panel]
-    methods = _read_methods(keys, stage)
+    _check_profiles(node, stage)
+    panels, methods = read_panels(node, keys, stage), read_methods(keys, stage)
+    positions = [shape.position for panel in panels for shape in panel.shapes]
     return {
-        "panels": list(zip(headings, shapes, strict=True)),
-        "across": keys["across"].whole(1, MOST_ACROSS) if "across" in keys else len(wishes),
+        "panels": panels,
+        "across": read_across(keys, len(panels)),
         "methods": methods,
-        "view": keys["view"].choice(VIEWS) if "view" in keys else "xz",
+        "view": read_view(keys),
         "stretch": _read_stretch(keys["stretch"]) if "stretch" in keys else 1.0,
-        "colours": read_colours(keys, stage.names, positions, len(shapes[0]) * len(methods)),
+        "colours": read_colours(keys, stage.names, positions, len(panels[0].shapes) * len(methods)),
         "points": _read_points(keys["points"], stage) if "points" in keys else None,
-        **_texts(keys, ("x_label", "y_label")),
+        **read_texts(keys, ("x_label", "y_label")),
     }
 
 
-def _read_titles(keys: dict[str, Node], headings: list[str]) -> list[str]:
-    """What stands above the panels: words of the scene's own, else the value of each."""
-    if "titles" not in keys:
-        return headings
-    titles = [entry.text(60) for entry in keys["titles"].sequence()]
-    if len(titles) != len(headings):
-        keys["titles"].fail(f"a title for each panel is expected: {len(headings)}, not {len(titles)}")
-    return titles
+def _check_profiles(node: Node, stage: Stage) -> None:
+    check_stored(node, stage, "profiles", ("profile",))
 
 
 def _read_stretch(node: Node) -> float | None:
@@ -194,24 +181,8 @@ def _read_stretch(node: Node) -> float | None:
 
 def _read_spatial(node: Node, stage: Stage) -> dict[str, Any]:
     keys = node.mapping(("kind",), ("each", "point", "methods"))
-    return {"shapes": _shapes(node, keys, None, stage), "methods": _read_methods(keys, stage)}
-
-
-def _shapes(node: Node, keys: dict[str, Node], panel: Wish | None, stage: Stage) -> list[Shape]:
-    """The scenarios that are drawn together."""
-    if "profile" not in stage.names.outputs:
-        node.fail("a figure of profiles needs the output 'profile'")
-    common = [*read_point(keys, stage.names), *([panel] if panel else [])]
-    if "each" not in keys:
-        return [Shape("", place(node, common, stage.names))]
-    wishes = read_wishes(keys["each"], stage.names)
-    return [Shape(wish.words, place(node, [*common, wish], stage.names)) for wish in wishes]
-
-
-def _read_methods(keys: dict[str, Node], stage: Stage) -> tuple[str, ...]:
-    if "methods" not in keys:
-        return stage.names.methods
-    return tuple(entry.choice(stage.names.methods) for entry in keys["methods"].sequence())
+    _check_profiles(node, stage)
+    return {"shapes": read_shapes(node, keys, None, stage), "methods": read_methods(keys, stage)}
 
 
 def _read_convergence(node: Node, stage: Stage) -> dict[str, Any]:
@@ -226,7 +197,7 @@ def _read_convergence(node: Node, stage: Stage) -> dict[str, Any]:
     return {
         "output": keys["output"].choice(outputs),
         "against": keys["against"].choice((*options, RUN_TIME)),
-        **_texts(keys, ("x_label", "y_label")),
+        **read_texts(keys, ("x_label", "y_label")),
     }
 
 
@@ -255,7 +226,3 @@ def _where(keys: dict[str, Node], stage: Stage) -> dict[str, str]:
         return {}
     keys["where"].located(stage.names.condition, keys["where"].formula())
     return {"where": keys["where"].formula()}
-
-
-def _texts(keys: dict[str, Node], names: tuple[str, ...]) -> dict[str, str]:
-    return {name: keys[name].text() for name in names if name in keys}

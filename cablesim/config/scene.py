@@ -9,7 +9,8 @@ import numpy as np
 
 from cablesim.config.design_file import Specs, check_values, read_design, read_values
 from cablesim.config.document import Node, is_name, read_document
-from cablesim.config.figure_file import Figure, Stage, read_figures
+from cablesim.config.figure_file import Figure, read_figures
+from cablesim.config.figure_parts import Stage
 from cablesim.config.layout_file import PrintedTable, read_printed_tables
 from cablesim.config.method import Method
 from cablesim.config.rehearsal import METHOD, Rehearsal

@@ -2,12 +2,14 @@
 
 import math
 import textwrap
+from collections.abc import Iterator
 from typing import Any
 
 import matplotlib
 import xarray as xr
 
 from cablesim.config.figure_file import Points
+from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
 from cablesim.database.reading import written
 from cablesim.quantities import QUANTITIES
@@ -33,6 +35,8 @@ STYLE: Any = {
 }
 MOST_LEGEND_LINES = 8
 LETTERS_PER_INCH = 11
+LETTERS_PER_HANDLE = 10
+NEWTONS_PER_KILONEWTON = 1e3
 
 
 def legend(axes: Any) -> None:
@@ -42,6 +46,32 @@ def legend(axes: Any) -> None:
         axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif lines > 1:
         axes.legend()
+
+
+def curves(
+    dataset: xr.Dataset, shapes: list[Shape], methods: tuple[str, ...]
+) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
+    """One scenario of one method for each curve, and how it is drawn.
+
+    Scenarios differ in colour, methods in dashes, and in colour where that is free.
+    """
+    for i, shape in enumerate(shapes):
+        for j, method in enumerate(methods):
+            label = ", ".join([shape.label] * bool(shape.label) + [method] * (len(methods) > 1 or not shape.label))
+            colour = PALETTE[(i if len(shapes) > 1 else j) % len(PALETTE)]
+            style = {"label": plain(label), "color": colour, "linestyle": DASHES[j % len(DASHES)]}
+            yield dataset.isel(shape.position).sel({"method": method}, drop=True), style
+
+
+def panel_legend(drawn: Any, panels: Any) -> None:
+    """A legend for all panels, of which the first speaks for the others."""
+    if len(panels) == 1:
+        legend(panels[0])
+        return
+    handles, labels = panels[0].get_legend_handles_labels()
+    if len(handles) > 1:
+        columns = int(LETTERS_PER_INCH * drawn.get_figwidth() / (max(map(len, labels)) + LETTERS_PER_HANDLE))
+        drawn.legend(handles, labels, loc="outside lower center", ncols=max(1, columns), fontsize=9)
 
 
 def headline(drawn: Any, scene: Scene) -> None:

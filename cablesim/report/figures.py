@@ -1,4 +1,4 @@
-"""Figures of a scene, as its file asks for them: curves, maps, profiles and the picture of an audit. SVG and PNG."""
+"""Figures of a scene, as its file asks for them. SVG and PNG; curves, maps, orders and audits are drawn here."""
 
 import math
 from pathlib import Path
@@ -19,8 +19,11 @@ from cablesim.files import written_whole
 from cablesim.quantities import QUANTITIES, component_names
 from cablesim.report.audit import audit_table
 from cablesim.report.drawing import DASHES, PALETTE, STYLE, draw_points, headline, legend, plain, value_in_words, word
+from cablesim.report.histories import draw_history
+from cablesim.report.orbits import draw_orbit
 from cablesim.report.orders import convergences
 from cablesim.report.shapes import draw_profiles, draw_spatial
+from cablesim.report.snapshots import draw_snapshots
 
 MOST_CELLS = 600
 MOST_STEPS = 8
@@ -41,6 +44,9 @@ def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
         "map": _map,
         "profiles": draw_profiles,
         "spatial": draw_spatial,
+        "history": draw_history,
+        "orbit": draw_orbit,
+        "snapshots": draw_snapshots,
         "convergence": _convergence,
         "audit": _audit,
     }

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.lines import Line2D
 
-from cablesim.config.figure_file import Shape
+from cablesim.config.figure_parts import Shape
 from cablesim.report.drawing import DASHES, PALETTE, plain
 
 JOINT: Any = {"marker": "o", "color": "black", "markerfacecolor": "white", "markersize": 5.5, "linestyle": ""}

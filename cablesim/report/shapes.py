@@ -1,16 +1,15 @@
 """Pictures of the line itself: profiles in a plane, and a view in space."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 
-from cablesim.config.figure_file import Figure, Shape
+from cablesim.config.figure_file import Figure
+from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.database.reading import of_method
-from cablesim.report.drawing import DASHES, PALETTE, draw_points, legend, plain
+from cablesim.report.drawing import PALETTE, curves, draw_points, legend, plain
 from cablesim.report.sections import draw_sections, section_legend
 
 # Width of a panel and least width of all of them, in inches; thinnest side of the box around lines in space, beside the
@@ -91,7 +90,8 @@ def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: d
         draw_sections(axes, dataset, shapes, settings)
     else:
         across, up = settings["view"]
-        for profile, style in _shapes(dataset, shapes, settings["methods"]):
+        for line, style in curves(dataset, shapes, settings["methods"]):
+            profile = line.profile
             axes.plot(profile.sel(component=across), profile.sel(component=up), **style)
     draw_points(axes, settings["points"])
 
@@ -108,27 +108,15 @@ def _add_legend(drawn: Any, first: Any, settings: dict[str, Any]) -> None:
         drawn.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
 
 
-def _shapes(
-    dataset: xr.Dataset, shapes: list[Shape], methods: tuple[str, ...]
-) -> Iterator[tuple[xr.DataArray, dict[str, Any]]]:
-    """Profiles and how they are drawn: scenarios by colour, methods by dashes, and by colour where that is free."""
-    for i, shape in enumerate(shapes):
-        for j, method in enumerate(methods):
-            label = ", ".join([shape.label] * bool(shape.label) + [method] * (len(methods) > 1 or not shape.label))
-            colour = PALETTE[(i if len(shapes) > 1 else j) % len(PALETTE)]
-            style = {"label": plain(label), "color": colour, "linestyle": DASHES[j % len(DASHES)]}
-            yield of_method(dataset.profile.isel(shape.position), method), style
-
-
 def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     """The line in space, with its shadow on the floor and the stream as arrows."""
     drawn = plt.figure(figsize=(7.0, 5.5))
     axes: Any = drawn.add_subplot(projection="3d", computed_zorder=False)
     shapes = figure.settings["shapes"]
-    curves = list(_shapes(dataset, shapes, figure.settings["methods"]))
-    low, high = _box(np.concatenate([profile.values for profile, _ in curves]))
-    for profile, style in curves:
-        x, y, z = profile.transpose("component", "node").values
+    lines = list(curves(dataset, shapes, figure.settings["methods"]))
+    low, high = _box(np.concatenate([line.profile.values for line, _ in lines]))
+    for line, style in lines:
+        x, y, z = line.profile.transpose("component", "node").values
         axes.plot(x, y, np.full_like(z, low[2]), color="#999999", linewidth=1.0, zorder=1)
         for node in (0, -1):
             axes.plot(x[[node] * 2], y[[node] * 2], [low[2], z[node]], color="#BBBBBB", linewidth=0.7, zorder=1)
@@ -161,7 +149,8 @@ def _stream_arrows(axes: Any, dataset: xr.Dataset, shapes: list[Shape], low: np.
         colour = PALETTE[headings.index(heading) % len(PALETTE)] if len(different) > 1 else "black"
         step = length * np.array([np.cos(heading), np.sin(heading)])
         axes.quiver(*start, low[2], *step, 0.0, color=colour, linewidth=1.5, zorder=2)
-    axes.plot([], [], [], color="none", label="arrow: the stream" if len(different) == 1 else "arrows: the stream")
+    words = "waves and stream" if "wave_period" in dataset.coords else "the stream"
+    axes.plot([], [], [], color="none", label=f"{'arrow' if len(different) == 1 else 'arrows'}: {words}")
 
 
 def _own(values: xr.DataArray, shape: Shape) -> dict[str, int]:

@@ -3,16 +3,19 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 from cablesim.config.scene import read_scene
 from cablesim.database.query import query
 from cablesim.database.reading import open_scene, read_dataset
 from cablesim.plan import read_plan
 from cablesim.quantities import PLACES
+from cablesim.report import figures
 from cablesim.solver import load_solver
 from cablesim.steps import run_scene
 from cablesim.study import Layout
@@ -243,3 +246,171 @@ def test_describe_says_what_happens_if_a_parameter_is_left_out(ask: Ask):
     text = ask("describe", "swinging_line").text
     assert "time that is computed (> 0, if left out: 12 wave periods)" in text
     assert "(instead of quadratic_stiffness)" in text
+
+
+# ---- figures ----
+
+PANELS = {"at": {"depth": ["10 m", "20 m"]}}
+POINT = {"point": {"depth": "10 m", "top_amplitude": "1 m"}}
+AMPLITUDE = {"point": {"top_amplitude": "1 m"}}
+
+
+def drawn(folder: Path, monkeypatch: pytest.MonkeyPatch, **look: object) -> Figure:
+    """The picture of a scene's only figure, before it is saved."""
+    pictures: list[Figure] = []
+    monkeypatch.setattr(figures, "_save", lambda picture, stem: pictures.append(picture))
+    run(folder, figures={"look": look})
+    plt.close("all")
+    return pictures[0]
+
+
+def test_a_history_has_a_panel_for_each_at_and_a_curve_for_each_scenario_and_method(tmp_path, monkeypatch):
+    each = {"each": {"top_amplitude": ["1 m", "3 m"]}}
+    picture = drawn(tmp_path, monkeypatch, kind="history", **PANELS, **each, place="middle")
+    assert [axes.get_title() for axes in picture.axes] == ["depth 10 m", "depth 20 m"]
+    assert [len(axes.lines) for axes in picture.axes] == [4, 4]
+    line = picture.axes[1].lines[2]
+    assert line.get_label() == "top amplitude 3 m, coarse"
+    np.testing.assert_allclose(line.get_xdata(), np.linspace(0.0, 48.0, 13))
+    # Of 1000 N at the top, half in the middle; times of the stub are whole periods of 4 s.
+    np.testing.assert_allclose(line.get_ydata(), 0.5, rtol=1e-6)
+    assert picture.axes[0].get_shared_y_axes().joined(*picture.axes)
+    assert picture.get_supylabel() == "tension at the middle [kN]"
+
+
+def test_a_history_is_cut_to_the_times_that_are_asked(tmp_path, monkeypatch):
+    window = {"from": "8 s", "to": "0.5 min"}
+    picture = drawn(tmp_path, monkeypatch, kind="history", **POINT, **window, methods=["fine"], x_label="t")
+    axes = picture.axes[0]
+    assert axes.lines[0].get_xdata().tolist() == [8.0, 12.0, 16.0, 20.0, 24.0, 28.0]
+    assert axes.get_xlim() == (8.0, 30.0)
+    assert (axes.get_xlabel(), picture.get_supylabel()) == ("t", "tension at the top [kN]")
+
+
+def test_a_history_that_starts_after_all_have_ended_is_refused(ask: Ask, tmp_path):
+    path = tmp_path / "swung.yaml"
+    path.write_text(swung(figures={"look": {"kind": "history", **POINT, "from": "1 min"}}))
+    answer = ask("run", path, "--out", tmp_path / "results")
+    assert answer.code == 2
+    assert "figures.look: no history reaches 60 s: the longest ends at 48 s" in answer.err
+
+
+def test_an_orbit_is_closed_and_starts_at_the_larger_dot(tmp_path, monkeypatch):
+    each = {"each": {"depth": ["10 m", "20 m"]}}
+    picture = drawn(tmp_path, monkeypatch, kind="orbit", **each, **AMPLITUDE, methods=["fine"], view="xy")
+    path, start = picture.axes[0].lines[:2]
+    np.testing.assert_allclose(path.get_xdata(), [0.0, 0.5, 0.0, -0.5, 0.0], atol=1e-7)
+    np.testing.assert_allclose(path.get_ydata(), 0.0)
+    assert (start.get_xdata()[0], start.get_ydata()[0]) == (path.get_xdata()[0], 0.0)
+    assert picture.axes[0].get_xlabel() == "x from the place at rest [m]"
+    assert [text.get_text() for text in picture.axes[0].get_legend().get_texts()] == ["depth 10 m", "depth 20 m"]
+
+
+def test_snapshots_are_coloured_by_tension_on_one_scale_for_all_panels(tmp_path, monkeypatch):
+    picture = drawn(tmp_path, monkeypatch, kind="snapshots", **PANELS, **AMPLITUDE, method="fine", magnify=2)
+    *panels, bar = picture.axes
+    assert [axes.get_title() for axes in panels] == ["depth 10 m", "depth 20 m"]
+    assert panels[0].get_title(loc="right") == "motion × 2"
+    lines = [axes.collections[0] for axes in panels]
+    assert lines[0].norm is lines[1].norm
+    # 1000 N (1 + 1 m / 10 m), at the top of the shallower line.
+    assert (lines[0].norm.vmin, lines[0].norm.vmax) == (0.0, pytest.approx(1.1))
+    # Four phases of four elements; the first element carries the mean of its ends.
+    elements = np.array(lines[0].get_segments()).reshape(4, 4, 2, 2)
+    np.testing.assert_allclose(elements[1, -1, 1], [2.0, 10.0])
+    assert lines[0].get_array()[0] == pytest.approx(0.125)
+    rest = panels[0].lines[0]
+    assert rest.get_linestyle() == "--"
+    np.testing.assert_allclose(rest.get_ydata(), [0.0, 2.5, 5.0, 7.5, 10.0])
+    assert bar.get_ylabel() == "tension [kN]"
+
+
+@pytest.mark.parametrize("kind", ["history", "orbit", "snapshots"])
+def test_a_line_without_a_solution_leaves_an_empty_picture(kind, tmp_path):
+    method = {"method": "fine"} if kind == "snapshots" else {}
+    point = {"depth": "2 m", "top_amplitude": "3 m"}
+    assert run(tmp_path, figures={"look": {"kind": kind, "point": point, **method}}).status.max() == 1
+    for suffix in ("svg", "png"):
+        assert (tmp_path / "results" / "figures" / f"swung_look.{suffix}").stat().st_size > 0
+
+
+def test_the_same_picture_is_the_same_bytes(tmp_path):
+    looks = {
+        "a": {"kind": "history", **PANELS, **AMPLITUDE},
+        "b": {"kind": "orbit", **POINT},
+        "c": {"kind": "snapshots", **POINT, "method": "fine"},
+    }
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        run(tmp_path / name, figures=looks)
+    for look in looks:
+        one, two = (tmp_path / name / "results" / "figures" / f"swung_{look}.svg" for name in ("one", "two"))
+        assert one.read_bytes() == two.read_bytes()
+
+
+def test_a_shape_in_space_has_arrows_for_the_waves(tmp_path, monkeypatch):
+    picture = drawn(tmp_path, monkeypatch, kind="spatial", **POINT)
+    assert picture.legends[0].get_texts()[-1].get_text() == "arrow: waves and stream"
+
+
+WRONG_FIGURES = {
+    "an unknown key": ({"kind": "history", **POINT, "placed": "top"}, "figures.look.placed: unknown key 'placed'"),
+    "an unknown place": ({"kind": "history", **POINT, "place": "bottom"}, "figures.look.place: unknown value 'bottom'"),
+    "a time in metres": ({"kind": "history", **POINT, "from": "3 m"}, "figures.look.from: "),
+    "a time before the start": ({"kind": "history", **POINT, "from": -1}, "look.from: a time >= 0 s is expected"),
+    "a last time before the start": ({"kind": "history", **POINT, "to": -1}, "look.to: a time >= 0 s is expected"),
+    "times in the wrong order": (
+        {"kind": "history", **POINT, "from": "9 s", "to": "9 s"},
+        "look.to: a time after 9 s is expected, not 9 s",
+    ),
+    "no time at all": ({"kind": "history", **POINT, "to": 0}, "look.to: a time after 0 s is expected, not 0 s"),
+    "a title too few": ({"kind": "history", **PANELS, **AMPLITUDE, "titles": ["a"]}, "look.titles: a title for each"),
+    "panels of a fraction": ({"kind": "history", **POINT, "across": 1.5}, "look.across: a whole number from 1 to 6"),
+    "a scenario left open": ({"kind": "history", "point": {"depth": "10 m"}}, "2 scenarios are left along top_ampl"),
+    "a value that is not on the axis": ({"kind": "orbit", "point": {"depth": "11 m"}}, "look.point.depth: no scenario"),
+    "an unknown method": ({"kind": "orbit", **POINT, "methods": ["find"]}, "look.methods[0]: unknown value 'find'"),
+    "an unknown view": ({"kind": "orbit", **POINT, "view": "zx"}, "figures.look.view: unknown value 'zx'"),
+    "an orbit with panels": ({"kind": "orbit", **PANELS, **AMPLITUDE}, "figures.look.at: unknown key 'at'"),
+    "snapshots of two methods": ({"kind": "snapshots", **POINT}, "look: snapshots are those of one method: choose"),
+    "snapshots of an unknown method": ({"kind": "snapshots", **POINT, "method": "find"}, "look.method: unknown value"),
+    "snapshots for each": (
+        {"kind": "snapshots", **PANELS, "each": {"top_amplitude": ["1 m"]}, "method": "fine"},
+        "look.each: unknown key 'each'",
+    ),
+    "a motion that is not magnified": (
+        {"kind": "snapshots", **POINT, "method": "fine", "magnify": 0},
+        "look.magnify: a number > 0 is expected, not 0",
+    ),
+    "a curve of a history": ({"kind": "curves", "x": "depth", "y": "history"}, "look.y: a history has many values"),
+    "a curve of an orbit": ({"kind": "curves", "x": "depth", "y": "orbit"}, "look.y: a history has many values"),
+}
+
+
+@pytest.mark.parametrize(("look", "complaint"), WRONG_FIGURES.values(), ids=WRONG_FIGURES)
+def test_a_figure_is_refused_that_has(look, complaint, ask: Ask, tmp_path):
+    path = tmp_path / "swung.yaml"
+    path.write_text(swung(figures={"look": look}))
+    assert_refused(ask("check", path), "swung.yaml:6: ", complaint)
+
+
+@pytest.mark.parametrize(
+    ("look", "outputs"),
+    [
+        ({"kind": "history", **POINT}, ["history", "history_time"]),
+        ({"kind": "orbit", **POINT}, ["orbit"]),
+        ({"kind": "snapshots", **POINT, "method": "fine"}, ["snapshots", "snapshot_tension", "profile"]),
+    ],
+)
+def test_a_figure_needs_its_outputs(look, outputs, ask: Ask, tmp_path):
+    path = tmp_path / "swung.yaml"
+    for missing in outputs:
+        stored = [name for name in ("max_top_tension", *outputs) if name != missing]
+        path.write_text(swung(outputs=stored, figures={"look": look}))
+        assert_refused(ask("check", path), "swung.yaml:6: figures.look: ", f"needs the output '{missing}'")
+
+
+def test_a_printed_table_has_no_room_for_a_history(ask: Ask, tmp_path):
+    path = tmp_path / "swung.yaml"
+    tables = {"look": {"rows": "depth", "across": "top_amplitude", "columns": ["fine.history_time"]}}
+    path.write_text(swung(tables=tables))
+    assert_refused(ask("check", path), "tables.look.columns", "a cell has one value, this has many along time")

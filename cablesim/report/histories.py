@@ -1,0 +1,55 @@
+"""Tension against time."""
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+
+from cablesim.config.figure_file import Figure
+from cablesim.config.figure_parts import Shape
+from cablesim.config.scene import Scene
+from cablesim.errors import InputError
+from cablesim.report.drawing import NEWTONS_PER_KILONEWTON, curves, panel_legend, plain
+
+# Of one panel, in inches.
+WIDTH, HEIGHT = 6.5, 2.1
+
+
+def draw_history(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """Panels below each other, or so many side by side, with the same scales."""
+    settings = figure.settings
+    panels, columns = settings["panels"], settings["across"]
+    _check_window(dataset, settings["from"])
+    rows = -(-len(panels) // columns)
+    drawn, grid = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    drawn.set_size_inches(WIDTH * max(1.0, 0.6 * columns) + 0.5, HEIGHT * rows + 1.8)
+    used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
+    for axes, (title, shapes) in zip(used, panels, strict=True):
+        _draw_panel(axes, dataset, shapes, settings)
+        axes.set_title(plain(title), fontsize=10)
+    for axes in spare:
+        axes.remove()
+    for axes in used[-columns:]:
+        axes.tick_params(labelbottom=True)
+        axes.set(xlabel=plain(settings.get("x_label", "time [s]")))
+    used[0].set_xlim(left=settings["from"], right=settings["to"])
+    drawn.supylabel(plain(settings.get("y_label", f"tension at the {settings['place']} [kN]")), fontsize=10)
+    panel_legend(drawn, used)
+    return drawn
+
+
+def _check_window(dataset: xr.Dataset, first: float | None) -> None:
+    """Raises InputError if all histories have ended before the first time that is to be shown."""
+    times = dataset.history_time.values
+    last = np.max(times, where=np.isfinite(times), initial=0.0)
+    if first is not None and first >= last > 0.0:
+        raise InputError(f"no history reaches {first:g} s: the longest ends at {last:g} s")
+
+
+def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
+    first, last = settings["from"] or 0.0, settings["to"] or np.inf
+    for line, style in curves(dataset, shapes, settings["methods"]):
+        shown = (line.history_time.values >= first) & (line.history_time.values <= last)
+        tension = line.history.sel(place=settings["place"]).values / NEWTONS_PER_KILONEWTON
+        axes.plot(line.history_time.values[shown], tension[shown], linewidth=1.2, **style)

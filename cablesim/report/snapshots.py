@@ -1,0 +1,82 @@
+"""The line at the phases of the last period, coloured by its tension."""
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+
+from cablesim.config.figure_file import Figure
+from cablesim.config.scene import Scene
+from cablesim.report.drawing import NEWTONS_PER_KILONEWTON, plain
+
+COLOURS = "viridis"
+# Of one panel, and of all side by side, in inches.
+PANEL, LEAST_WIDTH = 3.6, 6.0
+LOWEST, HIGHEST = 1.5, 5.0
+
+
+def draw_snapshots(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """Panels of one scale and one bar of colours; the line at rest is dashed."""
+    settings = figure.settings
+    panels, columns = settings["panels"], settings["across"]
+    rows = -(-len(panels) // columns)
+    chosen = dataset.sel({"method": settings["method"]}, drop=True)
+    lines = [chosen.isel(shape.position) for panel in panels for shape in panel.shapes]
+    norm = _norm([line.snapshot_tension.values for line in lines])
+    drawn, grid = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
+    for axes, panel, line in zip(used, panels, lines, strict=True):
+        _draw_line(axes, line, norm, settings)
+        axes.set_aspect("equal", adjustable="box" if len(panels) > 1 else "datalim")
+        axes.set_title(plain(panel.title), fontsize=10)
+    for axes in spare:
+        axes.remove()
+    drawn.set_size_inches(*_size(grid))
+    _label(drawn, grid, used, settings)
+    drawn.colorbar(ScalarMappable(norm, COLOURS), ax=list(used), label="tension [kN]")
+    return drawn
+
+
+def _norm(tensions: list[np.ndarray]) -> Normalize:
+    """Colours from no tension to the largest."""
+    highest = max(float(np.max(values, where=np.isfinite(values), initial=0.0)) for values in tensions)
+    return Normalize(0.0, (highest or 1.0) / NEWTONS_PER_KILONEWTON)
+
+
+def _draw_line(axes: Any, line: xr.Dataset, norm: Normalize, settings: dict[str, Any]) -> None:
+    """Every phase with a colour for each element: the mean tension of its ends."""
+    view = list(settings["view"])
+    rest = line.profile.sel(component=view).transpose("node", "component").values
+    places = line.snapshots.sel(component=view).transpose("phase", "node", "component").values
+    places = rest + settings["magnify"] * (places - rest)
+    tension = line.snapshot_tension.transpose("phase", "node").values / NEWTONS_PER_KILONEWTON
+    axes.plot(*rest.T, color="black", linestyle="--", linewidth=1.0, zorder=3)
+    elements = np.stack([places[:, :-1], places[:, 1:]], axis=2).reshape(-1, 2, 2)
+    values = (0.5 * (tension[:, :-1] + tension[:, 1:])).ravel()
+    axes.add_collection(LineCollection(list(elements), array=values, norm=norm, cmap=COLOURS, linewidths=1.3))
+    axes.autoscale_view()
+
+
+def _size(grid: Any) -> tuple[float, float]:
+    """Width and height of the figure, so that lines of equal scale fill its panels."""
+    rows, columns = grid.shape
+    panel = max(PANEL, LEAST_WIDTH / columns)
+    (left, right), (bottom, top) = grid[0][0].get_xlim(), grid[0][0].get_ylim()
+    height = float(np.clip(panel * (top - bottom) / (right - left), LOWEST, HIGHEST))
+    return panel * columns + 1.3, height * rows + 1.0
+
+
+def _label(drawn: Any, grid: Any, used: Any, settings: dict[str, Any]) -> None:
+    """Labels of the axes, each once for panels in a column or a row, and what is drawn too large."""
+    across, up = settings["view"]
+    for axes in used[-grid.shape[1] :]:
+        axes.tick_params(labelbottom=True)
+        axes.set(xlabel=plain(settings.get("x_label", f"{across} [m]")))
+    for axes in grid[:, 0]:
+        axes.set(ylabel=plain(settings.get("y_label", f"{up} [m]")))
+    if settings["magnify"] != 1.0:
+        used[0].set_title(f"motion × {settings['magnify']:g}", fontsize=8, loc="right")
