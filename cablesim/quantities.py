@@ -40,9 +40,15 @@ class Quantity:
     def label(self) -> str:
         """Name, symbol and unit, as a figure axis or a table head shows them."""
         words = self.name.replace("_", " ")
-        return f"{words} ${self.symbol}$" + ("" if self.unit == "1" else f" [{self.unit.replace('-1', '⁻¹')}]")
+        return f"{words} ${self.symbol}$" + ("" if self.unit == "1" else f" [{self.shown_unit}]")
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit with raised powers."""
+        return self.unit.translate(RAISED)
 
 
+RAISED = str.maketrans("-123", "⁻¹²³")
 COMPONENTS = ("x", "y", "z")
 # Where along the line the tension is recorded.
 PLACES = ("anchor", "middle", "top")

@@ -6,6 +6,7 @@ import pytest
 
 from cablesim import units
 from cablesim.errors import InputError
+from cablesim.quantities import quantity
 
 
 @pytest.mark.parametrize(
@@ -56,3 +57,10 @@ def test_a_value_arrives_in_si(text, unit, value):
 def test_anything_else_is_refused(value, unit, complaint):
     with pytest.raises(InputError, match=complaint):
         units.to_si(value, unit)
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"), [("stream_speed", "m s⁻¹"), ("normal_drag", "kg m⁻²"), ("area", "m²"), ("depth", "m")]
+)
+def test_powers_are_raised_where_a_unit_is_shown(name, shown):
+    assert quantity(name).label.endswith(f" [{shown}]")

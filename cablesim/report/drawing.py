@@ -97,10 +97,10 @@ def plain(text: str) -> str:
 
 def value_in_words(value: xr.DataArray) -> str:
     """A value of a coordinate with its unit, as a legend shows it: angles in degrees."""
-    unit = QUANTITIES[str(value.name)].unit if value.name in QUANTITIES else "1"
-    if unit == "rad":
-        return f"{math.degrees(value.item()):.6g}°"
-    return written(value) if unit == "1" else f"{written(value)} {unit.replace('-1', '⁻¹')}"
+    row = QUANTITIES.get(str(value.name))
+    if row is None or row.unit == "1":
+        return written(value)
+    return f"{math.degrees(value.item()):.6g}°" if row.unit == "rad" else f"{written(value)} {row.shown_unit}"
 
 
 def word(name: str) -> str:
