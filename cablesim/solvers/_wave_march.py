@@ -6,11 +6,10 @@ lines which snap do not keep the others waiting. No lane sees anything of anothe
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.lanes import LANES
 from cablesim.numerics.threads import thread_count
@@ -21,6 +20,7 @@ from cablesim.solvers._wave_pack import (
     CONVERGED,
     END,
     EVALUATIONS,
+    GAVE_UP,
     LAST_STEP,
     NEW,
     NEXT_STEP,
@@ -28,6 +28,7 @@ from cablesim.solvers._wave_pack import (
     OLD_PLACE,
     OLD_SHIFTED,
     OLD_VELOCITY,
+    OUT_OF_STEPS,
     PAST1,
     PAST2,
     PAST3,
@@ -42,6 +43,7 @@ from cablesim.solvers._wave_pack import (
     SHIFTED,
     SLACK_NOW,
     SLACK_UNTIL,
+    SOLVED,
     START_SHIFTED,
     STEP,
     STEP_BEFORE,
@@ -51,13 +53,14 @@ from cablesim.solvers._wave_pack import (
     TIME,
     TOP_NOW,
     WINDOW,
+    Marched,
     Problem,
+    Records,
     load_state,
     make_pack,
 )
 from cablesim.solvers._wave_record import (
     TALLY_ROWS,
-    Records,
     begin_tally,
     finish_tally,
     note_elements,
@@ -66,7 +69,6 @@ from cablesim.solvers._wave_record import (
 )
 from cablesim.solvers._wave_step import RHO_TAUT, iterate, judge, move_ends, predict, set_method
 
-SOLVED, GAVE_UP, OUT_OF_STEPS = 0.0, 1.0, 2.0
 # Error of a step in tolerances that is let pass, and how the next step follows from it.
 LET_PASS = 3.0
 GROWTH, SHRINK, SAFETY, AFTER_FAILURE = 2.0, 0.2, 0.9, 0.25
@@ -75,26 +77,16 @@ FIRST_STEPS_PER_PERIOD = 100.0
 LEAST_STEP, SLACK_FOR = 1e-9, 0.5
 
 
-@dataclass(frozen=True)
-class Marched:
-    """Fate, steps, rejected steps and evaluations of each scenario (scenario,), and what was recorded."""
-
-    fate: Array
-    steps: Array
-    rejected: Array
-    evaluations: Array
-    records: Records
-
-
-def march_all(problem: Problem, has_waves: bool, rtol: float, most_steps: int, records: Records) -> Marched:
+def march_all(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
     """March all scenarios on the threads that there are; neither their number nor the batch changes any result."""
     size = len(problem.lines)
     fates = np.zeros((size, 4))
     threads = max(1, min(thread_count(), size))
     width = min(LANES, -(-size // threads))
+    limits = np.array([options.rtol, options.time_step, options.most_steps])
     with ThreadPoolExecutor(threads) as pool:
         work = [
-            pool.submit(march, problem, has_waves, rtol, most_steps, records, fates, first, threads, width)
+            pool.submit(march, problem, has_waves, limits, records, fates, first, threads, width)
             for first in range(threads)
         ]
         for part in work:
@@ -103,28 +95,30 @@ def march_all(problem: Problem, has_waves: bool, rtol: float, most_steps: int, r
 
 
 @compiled
-def march(problem, has_waves, rtol, most_steps, records, fates, first, stride, width):
+def march(problem, has_waves, limits, records, fates, first, stride, width):
     """March every `stride`th scenario from `first` on, `width` at a time.
 
-    Written: `records`, and `fates` (scenario, 4): fate, steps, rejected steps, evaluations.
+    `limits` are the tolerance, a fixed step (0: by error) and the most steps. Written: `records`, and `fates`
+    (scenario, 4): fate, steps, rejected steps, evaluations.
     """
+    rtol, fixed, most_steps = limits
     count = problem.tensions.shape[1]
     pack, tally = make_pack(count), np.zeros(TALLY_ROWS * LANES)
     queue, busy = first, 0
     for w in range(width):
-        busy += load(pack, tally, w, queue, problem, count)
+        busy += load(pack, tally, w, queue, problem, fixed, count)
         queue += stride
     while busy:
         for w in range(width):
             if pack.lane[SCENARIO * LANES + w] >= 0.0:
-                set_method(pack, w)
+                set_method(pack, w, fixed)
         predict(pack.nodes, pack.method, count, width)
         move_ends(pack, problem, count, width)
         iterate(pack, has_waves, rtol, count, width)
         judge(pack.nodes, pack.elements, pack.method, pack.lane, count, width)
         for w in range(width):
             if pack.lane[SCENARIO * LANES + w] >= 0.0:
-                decide(pack, w, rtol)
+                decide(pack, w, rtol, fixed)
         note_elements(pack.elements, pack.method, pack.lane, tally, count, width)
         for w in range(width):
             if pack.lane[ACCEPTED * LANES + w] > 0.0:
@@ -137,12 +131,12 @@ def march(problem, has_waves, rtol, most_steps, records, fates, first, stride, w
             fate = fate_of(pack, w, most_steps)
             if fate >= 0.0:
                 unload(pack, tally, w, records, fates, fate, count)
-                busy += load(pack, tally, w, queue, problem, count) - 1
+                busy += load(pack, tally, w, queue, problem, fixed, count) - 1
                 queue += stride
 
 
 @compiled
-def load(pack, tally, w, scenario, problem, count):
+def load(pack, tally, w, scenario, problem, fixed, count):
     """Give a lane a scenario; 0 where there is none left."""
     if scenario >= len(problem.lines):
         pack.lane[SCENARIO * LANES + w] = -1.0
@@ -155,7 +149,7 @@ def load(pack, tally, w, scenario, problem, count):
             pack.fluid[(FLUID_SIZE * e + k) * LANES + w] = 0.0
         pack.fluid[FLUID_SIZE * e * LANES + w] = pack.wave[STREAM_X * LANES + w]
         pack.fluid[(FLUID_SIZE * e + 1) * LANES + w] = pack.wave[STREAM_Y * LANES + w]
-    step = pack.lane[PERIOD * LANES + w] / FIRST_STEPS_PER_PERIOD
+    step = fixed if fixed > 0.0 else pack.lane[PERIOD * LANES + w] / FIRST_STEPS_PER_PERIOD
     pack.lane[NEXT_STEP * LANES + w] = step
     pack.lane[LAST_STEP * LANES + w] = pack.lane[STEP_BEFORE * LANES + w] = step
     pack.lane[SHIFT_TIME * LANES + w] = step * (RHO_TAUT - 1.0) / (RHO_TAUT + 1.0)
@@ -164,13 +158,16 @@ def load(pack, tally, w, scenario, problem, count):
 
 
 @compiled
-def decide(pack, w, rtol):
+def decide(pack, w, rtol, fixed):
     """Accept the step of a lane or not, and how long the next one is."""
     lane = pack.lane
     step = pack.method[STEP * LANES + w]
     if lane[CONVERGED * LANES + w] == 0.0:
         lane[ACCEPTED * LANES + w] = 0.0
         lane[NEXT_STEP * LANES + w] = AFTER_FAILURE * step
+    elif fixed > 0.0:
+        lane[ACCEPTED * LANES + w] = 1.0
+        lane[NEXT_STEP * LANES + w] = min(fixed, GROWTH * step)
     else:
         of_tension = lane[TENSION_ERROR * LANES + w] / lane[TENSION_SCALE * LANES + w]
         error = max(of_tension, lane[PLACE_ERROR * LANES + w] / lane[PLACE_SCALE * LANES + w]) / (LET_PASS * rtol)

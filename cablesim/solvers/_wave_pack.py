@@ -1,9 +1,11 @@
 """What lines that march side by side keep: state, numbers of the step, and what each lane knows of its scenario."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
+from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.lanes import LANES
 from cablesim.physics.nodal_line import ELEMENT_ROWS, FREE_ELEMENT, FREE_NODE, LINE_ROWS, NODE_ROWS
@@ -94,6 +96,10 @@ PAST_SHIFTED = FREE_NODE + 18
 ) = range(31)
 
 
+# How a scenario ends.
+SOLVED, GAVE_UP, OUT_OF_STEPS = 0.0, 1.0, 2.0
+
+
 class Problem(NamedTuple):
     """Scenarios: packed rows of lines, motions of the top end and waves, and the equilibrium they start from.
 
@@ -110,6 +116,35 @@ class Problem(NamedTuple):
     supports: np.ndarray
     spans: np.ndarray
     scales: np.ndarray
+
+
+@dataclass(frozen=True)
+class Marched:
+    """Fate, steps, rejected steps and evaluations of each scenario (scenario,), and what was recorded."""
+
+    fate: Array
+    steps: Array
+    rejected: Array
+    evaluations: Array
+    records: "Records"
+
+
+class Records(NamedTuple):
+    """Written by the march, one row a scenario; the last four are empty unless histories are asked for.
+
+    `ends` (scenario, 3, 3): largest, least and mean tension of anchor, middle and top; `line` (scenario, 4): slack
+    fraction, snaps, largest strain, energy error; `extremes` (scenario, element, 2): largest and least tension;
+    `history` (scenario, time, 3); `orbit` (scenario, phase, 3); `shapes` (scenario, phase, node, 3); `pulls` (scenario,
+    phase, element).
+    """
+
+    ends: np.ndarray
+    line: np.ndarray
+    extremes: np.ndarray
+    history: np.ndarray
+    orbit: np.ndarray
+    shapes: np.ndarray
+    pulls: np.ndarray
 
 
 class Pack(NamedTuple):

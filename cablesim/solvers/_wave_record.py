@@ -4,8 +4,6 @@ The window are the last whole periods, which every quantity but the largest stra
 Between steps an end's tension is a parabola through three of them, a history a straight line.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from cablesim.numerics.compiled import compiled
@@ -62,24 +60,6 @@ BEFORE, EARLIER, MOST, LOWEST, SUM = 0, 3, 6, 9, 12
 
 # An element snaps where it is pulled from nothing to this part of the static tension at the top.
 SNAP_SHARE = 0.05
-
-
-class Records(NamedTuple):
-    """Written by the march, one row a scenario; the last four are empty unless histories are asked for.
-
-    `ends` (scenario, 3, 3): largest, least and mean tension of anchor, middle and top; `line` (scenario, 4): slack
-    fraction, snaps, largest strain, energy error; `extremes` (scenario, element, 2): largest and least tension;
-    `history` (scenario, time, 3); `orbit` (scenario, phase, 3); `shapes` (scenario, phase, node, 3); `pulls` (scenario,
-    phase, element).
-    """
-
-    ends: np.ndarray
-    line: np.ndarray
-    extremes: np.ndarray
-    history: np.ndarray
-    orbit: np.ndarray
-    shapes: np.ndarray
-    pulls: np.ndarray
 
 
 @compiled

@@ -3,15 +3,16 @@
     M a' = f';  x' = x + h v + h^2 ((1/2 - beta) q + beta q'),  v' = v + h ((1 - gamma) q + gamma q')
     (1 - alpha_m) q' + alpha_m q = (1 - alpha_f) a' + alpha_f a
 
-This is Arnold and Bruels' form, which is of second order for any mass matrix; q is the acceleration at a time shifted by
-theta h, theta = alpha_m - alpha_f, and is shifted anew where the step changes. Motion that the step does not resolve
-loses all but a part rho of its amplitude each step.
+This is Arnold and Bruels' form, which is of second order for any mass matrix; q is the acceleration at a time shifted
+by theta h, theta = alpha_m - alpha_f, and is shifted anew where the step changes. Motion that the step does not
+resolve loses all but a part rho of its amplitude each step.
 
 Newton's method solves for the new places. It ends where the next correction of any tension or place would be a small
 part of the tolerance, by the rate at which corrections shrink, and no element passed through zero tension in the last
 one. Of each lane everything is kept as it was when that lane had converged, so that no lane sees the others.
 
-References: J. Chung, G. Hulbert, J. Appl. Mech. 60 (1993) 371; M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007) 185.
+References: J. Chung, G. Hulbert, J. Appl. Mech. 60 (1993) 371; M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007)
+185.
 """
 
 import math
@@ -113,12 +114,13 @@ NEARLY = 0.01
 
 
 @compiled
-def set_method(pack, w):
+def set_method(pack, w, fixed):
     """The length of the next step of a lane, and the numbers of the method that follow from it."""
     m, lane = pack.method, pack.lane
     time = lane[TIME * LANES + w]
     h = step_to_meet(time, lane[NEXT_STEP * LANES + w], lane[WINDOW * LANES + w], lane[END * LANES + w])
-    h = min(h, lane[PERIOD * LANES + w] / STEPS_PER_PERIOD)
+    if fixed == 0.0:
+        h = min(h, lane[PERIOD * LANES + w] / STEPS_PER_PERIOD)
     rho = RHO_SLACK if time < lane[SLACK_UNTIL * LANES + w] else RHO_TAUT
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     theta = alpha_m - alpha_f

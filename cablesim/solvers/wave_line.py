@@ -1,0 +1,257 @@
+"""Nonlinear-elastic line from an anchor to the surface, in waves: elements between nodes, marched through time.
+
+    T = (C_eps eps + C_eps1 eps^2) H(eps)                                                             (M15)
+    m a = d(T t)/ds + (m - rho F) g + C_n |u_n| u_n + C_t |u_t| u_t + C_a (a_f - a)_n + rho F a_f      (M16)
+    r_B = r_B0 + R(t) A [sin(omega t + phase) e1 + (b/A) cos(omega t + phase) e2],  r_A fixed          (M17)
+    A = 0.085 exp(0.75 ln(g T_w^2 / 2 pi)) metres, where neither amplitude nor wave height is given    (M18)
+
+u is the velocity of the fluid relative to the line, a_f its acceleration, n and t are across and along the line, all
+loads per unstretched length. The line carries no compression; where it is slack it is exactly without tension. The
+fluid is still, a uniform stream, or moved by a plane progressive wave (see `physics.waves`), and the top end moves on
+an ellipse or with the surface. The bottom is not felt between the ends: a slack line may hang below its anchor.
+
+`segments` elements join nodes at which Lagrange's equations hold, with consistent or lumped mass (see
+`physics.nodal_line`). The line starts from the equilibrium of the same discrete line and is marched by
+
+    generalized_alpha   implicit, with steps by `rtol`: Newton's method with a block-tridiagonal matrix
+    leapfrog, rk4       explicit, at a part of the largest stable step
+    gear, adams         multistep formulas of variable order, steps by `rtol`
+
+End tensions are the forces on the end points. Tensions are recorded over the last five whole periods.
+
+Where not to rely on it. A line that is jerked taut rings in waves as short as the elements unless it has internal
+damping: peaks then still depend on the mesh, and the least tensions on `rtol`; ask for `mesh_check`. Elements carry no
+bending and no torsion. A softening law is left (`out_of_domain`) where the strain passes its greatest tension, and
+lines that need more than that at rest have no solution (`infeasible`).
+
+Reference: Investigation of the influence of nonlinear elastic properties of the material on the dynamics of submarine
+cable systems (in Ukrainian), eqs. (1)-(8).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cablesim.numerics import Array
+from cablesim.solver import Solution
+from cablesim.solvers import _wave_march, _wave_static
+from cablesim.solvers._wave_line import MooredLine as Parameters
+from cablesim.solvers._wave_line import Options, empty_records
+from cablesim.solvers._wave_pack import SOLVED, Marched, Problem, Records
+from cablesim.status import Status
+
+__all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
+
+PLACES = ("anchor", "middle", "top")
+TENSIONS = tuple(f"{kind}_{place}_tension" for place in PLACES for kind in ("max", "min", "mean", "static"))
+HISTORIES = ("history", "history_time")
+SHAPES = ("orbit", "snapshots", "snapshot_tension")
+MESH_CHECK = ("mesh_change", "richardson_top_tension")
+OUTPUTS = (
+    *TENSIONS,
+    "static_residual",
+    "slack_fraction",
+    "snap_count",
+    "max_strain",
+    "energy_error",
+    "steps",
+    "rejected_steps",
+    "rhs_evaluations",
+    *MESH_CHECK,
+    "profile",
+    "profile_tension",
+    "profile_max_tension",
+    "profile_min_tension",
+    *HISTORIES,
+    *SHAPES,
+)
+COMPILED = True
+RECORDS = True
+# The integrators, and seconds that one needs per element of a scenario of twelve periods.
+METHODS = {
+    "generalized_alpha": (_wave_march.march_all, 1e-4),
+}
+FATES = {
+    _wave_static.SOLVED: Status.ok,
+    _wave_static.INFEASIBLE: Status.infeasible,
+    _wave_static.NOT_CONVERGED: Status.not_converged,
+    _wave_static.NOT_FINITE: Status.out_of_domain,
+}
+
+
+def sizes(options: Options) -> dict[str, int]:
+    return {"node": options.segments + 1, "time": options.samples, "phase": options.phases, "place": len(PLACES)}
+
+
+def answered(options: Options) -> tuple[str, ...]:
+    return OUTPUTS if options.mesh_check == "yes" else tuple(name for name in OUTPUTS if name not in MESH_CHECK)
+
+
+def seconds_per_scenario(options: Options) -> float:
+    elements = options.segments * (5 if options.mesh_check == "yes" else 1)
+    return METHODS[options.integrator][1] * elements
+
+
+def warm(p: Parameters, options: Options, outputs: tuple[str, ...]) -> None:
+    """Compile or load all that is needed: a short run of two scenarios, which march side by side."""
+    short = object.__new__(Parameters)
+    for name in p.__dataclass_fields__:
+        value = getattr(p, name)
+        object.__setattr__(short, name, None if value is None else np.repeat(value[:1], 2, axis=0))
+    object.__setattr__(short, "duration", 0.01 * short.wave_period)
+    solve(short, options, outputs)
+
+
+@dataclass(frozen=True)
+class MovedLine:
+    """Lines marched through time, arrays of one entry per scenario."""
+
+    p: Parameters
+    options: Options
+    still: _wave_static.StaticLines
+    supports: Array
+    marched: Marched
+    finer_top_tension: Array
+
+    def __getattr__(self, name: str) -> Array:
+        kind, _, place = name.removesuffix("_tension").partition("_")
+        if name not in TENSIONS:
+            raise AttributeError(name)
+        if kind == "static":
+            return self.supports[:, PLACES.index(place)]
+        return self.records.ends[:, PLACES.index(place), ("max", "min", "mean").index(kind)]
+
+    @property
+    def records(self) -> Records:
+        return self.marched.records
+
+    @property
+    def static_residual(self) -> Array:
+        return self.still.residual
+
+    @property
+    def slack_fraction(self) -> Array:
+        return self.records.line[:, 0]
+
+    @property
+    def snap_count(self) -> Array:
+        return self.records.line[:, 1]
+
+    @property
+    def max_strain(self) -> Array:
+        return self.records.line[:, 2]
+
+    @property
+    def energy_error(self) -> Array:
+        return self.records.line[:, 3]
+
+    @property
+    def steps(self) -> Array:
+        return self.marched.steps
+
+    @property
+    def rejected_steps(self) -> Array:
+        return self.marched.rejected
+
+    @property
+    def rhs_evaluations(self) -> Array:
+        return self.marched.evaluations
+
+    @property
+    def mesh_change(self) -> Array:
+        return np.abs(self.finer_top_tension / self.records.ends[:, 2, 0] - 1.0)
+
+    @property
+    def richardson_top_tension(self) -> Array:
+        """Errors of a mesh go with the square of its elements' length."""
+        return self.finer_top_tension + (self.finer_top_tension - self.records.ends[:, 2, 0]) / 3.0
+
+    @property
+    def profile(self) -> Array:
+        return self.still.position
+
+    @property
+    def profile_tension(self) -> Array:
+        return at_nodes(self.still.tension, self.supports[:, ::2])
+
+    @property
+    def profile_max_tension(self) -> Array:
+        return at_nodes(self.records.extremes[:, :, 0], self.records.ends[:, ::2, 0])
+
+    @property
+    def profile_min_tension(self) -> Array:
+        return at_nodes(self.records.extremes[:, :, 1], self.records.ends[:, ::2, 1])
+
+    @property
+    def history(self) -> Array:
+        return self.records.history
+
+    @property
+    def history_time(self) -> Array:
+        return np.linspace(0.0, self.p.end_time, self.options.samples, axis=1)
+
+    @property
+    def orbit(self) -> Array:
+        segments = self.still.tension.shape[1]
+        middle = 0.5 * (self.still.position[:, segments // 2] + self.still.position[:, (segments + 1) // 2])
+        return self.records.orbit - (middle - self._anchor)[:, None]
+
+    @property
+    def snapshots(self) -> Array:
+        return self.records.shapes + self._anchor[:, None, None]
+
+    @cached_property
+    def snapshot_tension(self) -> Array:
+        pulls = self.records.pulls
+        return at_nodes(pulls, pulls[..., [0, -1]])
+
+    @property
+    def _anchor(self) -> Array:
+        """From the anchor up to the surface (scenario, 3)."""
+        return self.p.depth[:, None] * [0.0, 0.0, 1.0]
+
+
+def march(p: Parameters, problem: Problem, able: np.ndarray, options: Options, samples: int, phases: int) -> Marched:
+    """March the scenarios that are able to; of the others nothing is known."""
+    some = Problem(*(part[able] for part in problem))
+    records = empty_records(able.size, problem.tensions.shape[1], samples, phases)
+    found = METHODS[options.integrator][0](some, p.has_waves, options, records)
+    counts = (spread(values, able, p.size) for values in (found.fate, found.steps, found.rejected, found.evaluations))
+    return Marched(*counts, Records(*(spread(values, able, p.size) for values in found.records)))
+
+
+def spread(values: Array, rows: np.ndarray, size: int) -> Array:
+    """Values in some rows of a batch, NaN in the others."""
+    whole = np.full((size, *values.shape[1:]), np.nan, dtype=values.dtype)
+    whole[rows] = values
+    return whole
+
+
+def at_nodes(elements: Array, ends: Array) -> Array:
+    """Values at nodes (..., node): means of the elements (..., element) that meet there, and given ones at the ends."""
+    inner = 0.5 * (elements[..., 1:] + elements[..., :-1])
+    return np.concatenate([ends[..., :1], inner, ends[..., 1:]], axis=-1)
+
+
+def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution:
+    still = p.equilibrium(options.segments)
+    status = np.array([FATES[int(fate)] for fate in still.fate], dtype=np.int8)
+    if p.has_waves:
+        status[(status == Status.ok) & (p.wave_height >= 2.0 * p.depth)] = Status.out_of_domain
+    able = np.flatnonzero(status == Status.ok)
+    problem = p.problem(still, options)
+    samples = options.samples if "history" in outputs else 0
+    phases = options.phases if set(SHAPES) & set(outputs) else 0
+    marched = march(p, problem, able, options, samples, phases)
+    status[(status == Status.ok) & (marched.fate != SOLVED)] = Status.not_converged
+    status[(status == Status.ok) & (marched.records.line[:, 2] > p.greatest_strain)] = Status.out_of_domain
+    finer = np.full(p.size, np.nan)
+    if options.mesh_check == "yes":
+        twice = p.equilibrium(2 * options.segments)
+        both = able[twice.fate[able] == _wave_static.SOLVED]
+        fine = march(p, p.problem(twice, options), both, options, 0, 0)
+        finer = np.where(fine.fate == SOLVED, fine.records.ends[:, 2, 0], np.nan)
+        status[(status == Status.ok) & np.isnan(finer)] = Status.not_converged
+    line = MovedLine(p, options, still, problem.supports, marched, finer)
+    return Solution(status, line)
