@@ -202,6 +202,19 @@ def test_velocity_at_bottom_and_surface_is_that_of_the_formulas():
     assert (np.abs((down[:, :2] * along).sum(axis=1) - speed * np.sin(theta) / np.sinh(kd)) < 1e-13 * scale).all()
 
 
+def test_velocity_between_them_is_that_of_the_stretched_height():
+    w, time = waves(LANES), RNG.uniform(0.0, 20.0, LANES)
+    points = depths_below(w, np.linspace(0.2, 0.8, LANES))
+    k, d, amplitude = w.number, w.depth, w.amplitude
+    theta = w.omega * time - k * (np.cos(w.heading) * points[:, 0] + np.sin(w.heading) * points[:, 1])
+    eta = amplitude * np.sin(theta)
+    height = (points[:, 2] - eta) * d / (d + eta) + d
+    upward = amplitude * w.omega * np.sinh(k * height) / np.sinh(k * d) * np.cos(theta)
+    # Phases of some hundred radians and exponents of as much lose as many roundings.
+    scale = amplitude * w.omega
+    assert (np.abs(fluid(w, points, time)[0][:, 2] - upward) < 1e-12 * scale).all()
+
+
 def test_points_above_the_surface_and_below_the_bottom_move_as_those_on_them():
     w = waves(LANES)
     time, outside, on = 0.1 * w.period, np.zeros((LANES, 3)), np.zeros((LANES, 3))
