@@ -32,7 +32,6 @@ from cablesim.solvers._wave_pack import (
     PAST1,
     PAST2,
     PAST3,
-    PAST_SHIFTED,
     PERIOD,
     PLACE_ERROR,
     PLACE_SCALE,
@@ -44,7 +43,6 @@ from cablesim.solvers._wave_pack import (
     SLACK_NOW,
     SLACK_UNTIL,
     SOLVED,
-    START_SHIFTED,
     STEP,
     STEP_BEFORE,
     STEPS,
@@ -208,7 +206,6 @@ def accept(nodes, elements, lane, count, width):
             own = node[k * L :]
             for w in range(width):
                 is_new = lane[ACCEPTED * L + w] > 0.0
-                own[PAST_SHIFTED * L + w] = own[START_SHIFTED * L + w] if is_new else own[PAST_SHIFTED * L + w]
                 own[OLD_SHIFTED * L + w] = own[SHIFTED * L + w] if is_new else own[OLD_SHIFTED * L + w]
                 own[OLD_PLACE * L + w] = own[PLACE * L + w] if is_new else own[OLD_PLACE * L + w]
                 own[OLD_VELOCITY * L + w] = own[VELOCITY * L + w] if is_new else own[OLD_VELOCITY * L + w]

@@ -11,15 +11,14 @@ from cablesim.numerics.lanes import LANES
 from cablesim.physics.nodal_line import ELEMENT_ROWS, FREE_ELEMENT, FREE_NODE, LINE_ROWS, NODE_ROWS
 from cablesim.physics.waves import FLUID_SIZE, MOTION_SIZE, TOP_SIZE, WAVE_SIZE
 
-# What a node needs beside its motion: q, q of the last step as this step needs it, motion and q after the last step,
-# and q after the one before. (The method says what q is.)
+# What a node needs beside its motion: q, q of the last step as this step needs it, motion and q after the last step.
+# (The method says what q is.)
 SHIFTED = FREE_NODE
 START_SHIFTED = FREE_NODE + 3
 OLD_PLACE = FREE_NODE + 6
 OLD_VELOCITY = FREE_NODE + 9
 OLD_ACCELERATION = FREE_NODE + 12
 OLD_SHIFTED = FREE_NODE + 15
-PAST_SHIFTED = FREE_NODE + 18
 
 # Of an element: tension and strain at the end of the step, tension after the last three, and what is recorded.
 (
@@ -50,7 +49,6 @@ PAST_SHIFTED = FREE_NODE + 18
     ACCELERATION_OLD,
     ACCELERATION_PAST,  # factor of the old acceleration in the new one
     RESCALED,  # theta h of this step over that of the last
-    AHEAD,  # step over last step
     PLACE_DEFECT,  # error of the place over the change of q
     EXTRAPOLATED1,  # factors of the last three tensions in what they lead to
     EXTRAPOLATED2,
@@ -58,7 +56,7 @@ PAST_SHIFTED = FREE_NODE + 18
     TENSION_DEFECT,  # error of a tension over its distance from that
     ACTIVE,  # 1 while Newton's method goes on
     METHOD_ROWS,
-) = range(19)
+) = range(18)
 
 # What a lane knows.
 (

@@ -46,7 +46,6 @@ from cablesim.solvers._wave_pack import (
     ACCELERATION_OLD,
     ACCELERATION_PAST,
     ACTIVE,
-    AHEAD,
     ALL_MOVES,
     ANCHOR_NOW,
     CONVERGED,
@@ -72,7 +71,6 @@ from cablesim.solvers._wave_pack import (
     PAST1,
     PAST2,
     PAST3,
-    PAST_SHIFTED,
     PERIOD,
     PLACE_DEFECT,
     PLACE_ERROR,
@@ -134,7 +132,6 @@ def set_method(pack, w, fixed):
     m[VELOCITY_BY_PLACE * LANES + w] = gamma / (beta * h)
     m[ACCELERATION_BY_PLACE * LANES + w] = m[ACCELERATION_NEW * LANES + w] / (beta * h * h)
     m[RESCALED * LANES + w] = theta * h / lane[SHIFT_TIME * LANES + w]
-    m[AHEAD * LANES + w] = h / lane[LAST_STEP * LANES + w]
     defect = abs(beta + 0.5 * theta - 1.0 / 6.0)
     m[PLACE_DEFECT * LANES + w] = defect * h * h
     set_extrapolation(m, w, h, lane[LAST_STEP * LANES + w], lane[STEP_BEFORE * LANES + w], defect)
@@ -164,28 +161,22 @@ def set_extrapolation(m, w, h, last, before, defect):
 
 @compiled
 def predict(nodes, method, count, width):
-    """Places, velocities and accelerations of the inner nodes, q changing as it did in the last step."""
+    """Places, velocities and accelerations of the inner nodes if q stays what it was."""
     L = LANES
     for j in range(1, count):
         node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
         for k in range(3):
             own = node[k * L :]
             for w in range(width):
-                a0, q0 = own[OLD_ACCELERATION * L + w], own[OLD_SHIFTED * L + w]
-                start = a0 + method[RESCALED * L + w] * (q0 - a0)
-                q = start + method[AHEAD * L + w] * (q0 - own[PAST_SHIFTED * L + w])
-                v0 = own[OLD_VELOCITY * L + w]
-                own[START_SHIFTED * L + w] = start
+                a0, v0 = own[OLD_ACCELERATION * L + w], own[OLD_VELOCITY * L + w]
+                q = a0 + method[RESCALED * L + w] * (own[OLD_SHIFTED * L + w] - a0)
+                own[START_SHIFTED * L + w] = q
                 own[SHIFTED * L + w] = q
-                own[PLACE * L + w] = own[OLD_PLACE * L + w] + (
-                    method[STEP * L + w] * v0 + method[PLACE_OLD * L + w] * start + method[PLACE_NEW * L + w] * q
-                )
-                own[VELOCITY * L + w] = v0 + method[VELOCITY_OLD * L + w] * start + method[VELOCITY_NEW * L + w] * q
-                own[ACCELERATION * L + w] = (
-                    method[ACCELERATION_NEW * L + w] * q
-                    + method[ACCELERATION_OLD * L + w] * start
-                    + method[ACCELERATION_PAST * L + w] * a0
-                )
+                way = method[STEP * L + w] * v0 + (method[PLACE_OLD * L + w] + method[PLACE_NEW * L + w]) * q
+                own[PLACE * L + w] = own[OLD_PLACE * L + w] + way
+                own[VELOCITY * L + w] = v0 + (method[VELOCITY_OLD * L + w] + method[VELOCITY_NEW * L + w]) * q
+                change = (method[ACCELERATION_NEW * L + w] + method[ACCELERATION_OLD * L + w]) * q
+                own[ACCELERATION * L + w] = change + method[ACCELERATION_PAST * L + w] * a0
 
 
 @compiled
