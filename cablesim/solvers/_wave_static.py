@@ -90,7 +90,7 @@ def _packed(
     speed = np.sqrt((stream**2).sum(axis=1))
     load = (drag.max(axis=1) * speed)[:, None] * stream - weight[:, None] * UP
     size = np.sqrt((load**2).sum(axis=1))
-    loaded, loose = size > 0.0, (end**2).sum(axis=1) < segments**2
+    loaded, loose = size != 0.0, (end**2).sum(axis=1) < segments**2
     force = np.where(loaded, size * element, np.where(loose, 0.0, linear))
     # Without load the unit is the stiffness; slack lines get a weight that does not stretch them.
     unit = np.where(loaded, size, linear / element)
