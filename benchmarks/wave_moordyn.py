@@ -73,8 +73,8 @@ LIMIT, PRACTICAL, CONVERGED = 2.8284, 0.95, 0.2
 SOURCE = """\
 # A line whose top is moved in still water, by MoorDyn {version} (RK4), written by benchmarks/wave_moordyn.py, where the
 # line and its motion are described. SI. Tensions are forces on the ends over the last five periods of 60 s, that of the
-# top with the inertia of half an element of lumped mass; averaged: of the mean over 0.1 s. Each line with
-# {practical} and {converged} of the largest stable step; at 1e8 N the line snaps, and only the averaged peak is converged.
+# top with the inertia of half an element of lumped mass; averaged: of the mean over 0.1 s. Each line with steps of
+# {practical} and {converged} of the largest stable one; at 1e8 N it snaps, and only the averaged peak is converged.
 """
 
 
