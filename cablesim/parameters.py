@@ -5,6 +5,7 @@
 """
 
 import dataclasses
+import math
 import re
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -319,7 +320,7 @@ class OptionSpec:
         """The value in the type of the default. Raises InputError for another type, or outside what is allowed."""
         wanted = type(self.default)
         if wanted is float and isinstance(value, int) and not isinstance(value, bool):
-            value = float(value)
+            value = float(value) if abs(value) < LARGEST else math.inf
         if not isinstance(value, wanted) or isinstance(value, bool) or not self._inside(value):
             raise InputError(f"option {self.name} must be {self.allowed}, not {value!r:.60}")
         value = wanted(value)
@@ -328,8 +329,9 @@ class OptionSpec:
         return value
 
     def _inside(self, value: Any) -> bool:
+        finite = not isinstance(value, float) or math.isfinite(value)
         low = self.at_least is None or value >= self.at_least
-        return low and (self.at_most is None or value <= self.at_most)
+        return finite and low and (self.at_most is None or value <= self.at_most)
 
     @property
     def allowed(self) -> str:

@@ -386,3 +386,10 @@ def test_long_histories_make_small_blocks(swinging_line, monkeypatch):
     # 13 times at 3 places: two scenarios a block.
     assert [size for call, size, _ in swinging_line.module.CALLS if call == "solve"] == [2, 2, 1]
     np.testing.assert_array_equal(cut.outputs["history"], whole.outputs["history"])
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan, 10**400, True, "1", None])
+def test_an_option_without_bounds_is_still_a_number(value, pulled_line):
+    with pytest.raises(InputError, match=r"^option factor must be a number, not"):
+        pulled_line.make_options({"factor": value})
+    assert pulled_line.make_options({"factor": 2}).factor == 2.0

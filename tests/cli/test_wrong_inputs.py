@@ -866,7 +866,8 @@ def test_no_wrong_value_of_an_option_is_taken(solver: Solver, name: str, here: P
     good, option = good_values(solver, ""), solver.options[name]
     wrong = ["nan", "", "1 m", "1,2", "many"]
     if not option.one_of:
-        wrong += [str(option.at_least - 1), str(option.at_most + 1), "inf"]
+        bounds = ((option.at_least, -1), (option.at_most, 1))
+        wrong += [str(at + step) for at, step in bounds if at is not None] + ["inf"]
     if isinstance(option.default, int):
         wrong.append("2.5")
     for value in wrong:
