@@ -89,7 +89,8 @@ def march_all(problem: Problem, has_waves: bool, options: Any, records: Records)
         ]
         for part in work:
             part.result()
-    return Marched(*fates.T, records)
+    fate, steps, rejected, evaluations = fates.T
+    return Marched(fate, steps, rejected, evaluations, records)
 
 
 @compiled

@@ -217,8 +217,13 @@ def march(p: Parameters, problem: Problem, able: np.ndarray, options: Options, s
     some = Problem(*(part[able] for part in problem))
     records = empty_records(able.size, problem.tensions.shape[1], samples, phases)
     found = METHODS[options.integrator][0](some, p.has_waves, options, records)
-    counts = (spread(values, able, p.size) for values in (found.fate, found.steps, found.rejected, found.evaluations))
-    return Marched(*counts, Records(*(spread(values, able, p.size) for values in found.records)))
+    return Marched(
+        spread(found.fate, able, p.size),
+        spread(found.steps, able, p.size),
+        spread(found.rejected, able, p.size),
+        spread(found.evaluations, able, p.size),
+        Records(*(spread(values, able, p.size) for values in found.records)),
+    )
 
 
 def spread(values: Array, rows: np.ndarray, size: int) -> Array:
