@@ -18,7 +18,7 @@ MARKDOWN_ROWS = 40
 
 
 def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
-    """Absolute and relative error of every output but profiles, for every method, against the reference.
+    """Absolute and relative error of every output but profiles and histories, for every method, against the reference.
 
     The error of a vector is the length of the difference, that of a list the largest of its sections. Largest, median
     and 95 % over the scenarios that both solved, and where the largest relative error lies.
