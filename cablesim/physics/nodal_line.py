@@ -74,6 +74,16 @@ def tension(strain, rate, linear, quadratic, damping, piece, rate_factor):
 
 
 @compiled
+def drag(ux, uy, uz, tx, ty, tz, normal, tangent):
+    """Drag of a flow u on an element of the direction t; the flow across it, and how fast that and the rest are."""
+    along = ux * tx + uy * ty + uz * tz
+    nx, ny, nz = ux - along * tx, uy - along * ty, uz - along * tz
+    across, speed = math.sqrt(nx * nx + ny * ny + nz * nz), abs(along)
+    by_n, by_t = normal * across, tangent * speed * along
+    return by_n * nx + by_t * tx, by_n * ny + by_t * ty, by_n * nz + by_t * tz, nx, ny, nz, across, speed
+
+
+@compiled
 def assemble(nodes, fluid, line, factors, elements, count, width):
     """Fill `elements` (element, ELEMENT_ROWS, lane) for the places, velocities and accelerations in `nodes`.
 
@@ -106,18 +116,11 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
             # drag on the middle of the element, and its derivative by velocity
             mx, my, mz = 0.5 * (lx + rx), 0.5 * (ly + ry), 0.5 * (lz + rz)
             ux, uy, uz = flow[w] - mx, flow[L + w] - my, flow[2 * L + w] - mz
-            along = ux * tx + uy * ty + uz * tz
-            nx, ny, nz = ux - along * tx, uy - along * ty, uz - along * tz
-            across = math.sqrt(nx * nx + ny * ny + nz * nz)
-            normal, tangent = h * line[NORMAL_DRAG * L + w], h * line[TANGENT_DRAG * L + w] * abs(along)
-            drag = normal * across
-            px, py, pz = drag * nx, drag * ny, drag * nz
-            px += tangent * along * tx
-            py += tangent * along * ty
-            pz += tangent * along * tz
+            normal, tangent = h * line[NORMAL_DRAG * L + w], h * line[TANGENT_DRAG * L + w]
+            px, py, pz, nx, ny, nz, across, along = drag(ux, uy, uz, tx, ty, tz, normal, tangent)
             edge = 0.25 * by_v * normal / (across + TINY)
-            round_ = 0.25 * by_v * drag
-            axial = 0.5 * by_v * tangent - round_
+            round_ = 0.25 * by_v * normal * across
+            axial = 0.5 * by_v * tangent * along - round_
 
             # what the accelerated fluid does
             gx, gy, gz = flow[3 * L + w], flow[4 * L + w], flow[5 * L + w]

@@ -1,0 +1,149 @@
+"""Explicit steps of many lines side by side, each with its own length of step, and how long a step may be.
+
+Leapfrog is the velocity form of Stoermer's and Verlet's method: forces that depend on velocity get the velocity that
+the last acceleration leads to, which is corrected when the new one is known. That costs no order, and with a force
+-lambda v beside a frequency omega it is stable for omega^2 h^2 + 4 lambda h < 4.
+
+The Runge-Kutta method is the classical one of fourth order. The evaluation at the end of a step is the first of the next.
+
+Nodes have PLACE, VELOCITY and ACCELERATION of the last evaluation, OLD_... those of the step's beginning.
+"""
+
+import math
+
+from cablesim.numerics.compiled import compiled
+from cablesim.numerics.lanes import LANES
+from cablesim.physics.nodal_line import (
+    ACCELERATION,
+    ADDED_TANGENT,
+    DAMPING,
+    LINEAR,
+    MASS,
+    NODE_ROWS,
+    NORMAL_DRAG,
+    OTHER_SHARE,
+    PIECE,
+    PLACE,
+    QUADRATIC,
+    TANGENT_DRAG,
+    VELOCITY,
+)
+from cablesim.solvers._wave_forces import ACROSS, ALONG, STRAIN
+from cablesim.solvers._wave_pack import (
+    OLD_ACCELERATION,
+    OLD_PLACE,
+    OLD_SHIFTED,
+    OLD_VELOCITY,
+    START_SHIFTED,
+    STEP,
+)
+
+# The classical Runge-Kutta method is stable wherever |lambda h| is less, for all lambda that do not grow.
+RUNGE_KUTTA_LIMIT = 2.6
+# Sums of accelerations and of velocities over the stages.
+SUM_ACCELERATION, SUM_VELOCITY = START_SHIFTED, OLD_SHIFTED
+
+
+@compiled
+def stable_step(line, found, w, is_leapfrog):
+    """The longest stable step of a lane, for the strain, the drag and the damping that it has now.
+
+    The highest frequency is that of neighbours moving against each other along the line, where only the mass counts
+    that added mass has no part in; where a law softens, it may be as stiff as without strain.
+    """
+    h = line[PIECE * LANES + w]
+    mass = line[MASS * LANES + w] - line[ADDED_TANGENT * LANES + w]
+    linear, quadratic, strain = (
+        line[LINEAR * LANES + w],
+        line[QUADRATIC * LANES + w],
+        max(found[STRAIN * LANES + w], 0.0),
+    )
+    stiffness = linear + 2.0 * max(quadratic, 0.0) * strain
+    # A consistent mass of an element is a third of the lumped one where its nodes move against each other.
+    share = 3.0 if line[OTHER_SHARE * LANES + w] > 0.0 else 1.0
+    square = 4.0 * share * stiffness / (mass * h * h)
+    slowed = 4.0 * share * line[DAMPING * LANES + w] / (mass * h * h)
+    across = line[NORMAL_DRAG * LANES + w] * found[ACROSS * LANES + w] / line[MASS * LANES + w]
+    slowed += 2.0 * max(across, line[TANGENT_DRAG * LANES + w] * found[ALONG * LANES + w] / mass)
+    if is_leapfrog:
+        return 2.0 / (slowed + math.sqrt(slowed * slowed + square))
+    half = 0.5 * slowed
+    fastest = half + math.sqrt(half * half - square) if half * half > square else math.sqrt(square)
+    return RUNGE_KUTTA_LIMIT / fastest
+
+
+@compiled
+def leap(nodes, method, last, count, width):
+    """The inner nodes' places at the end of the step, and the velocities that their accelerations lead to.
+
+    `last` (lane) is the length of the last step, whose velocities are corrected first.
+    """
+    L = LANES
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
+        for k in range(3):
+            own = node[k * L :]
+            for w in range(width):
+                h, a, old = method[STEP * L + w], own[ACCELERATION * L + w], own[OLD_ACCELERATION * L + w]
+                x, v = own[PLACE * L + w], own[VELOCITY * L + w] + 0.5 * last[w] * (a - old)
+                own[OLD_PLACE * L + w], own[OLD_ACCELERATION * L + w] = x, a
+                own[PLACE * L + w], own[VELOCITY * L + w] = x + h * (v + 0.5 * h * a), v + h * a
+
+
+@compiled
+def correct_velocities(nodes, w, last, count):
+    """Velocities of one lane as they are after its last step of leapfrog."""
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * LANES * j : NODE_ROWS * LANES * (j + 1)]
+        for k in range(3):
+            change = node[(ACCELERATION + k) * LANES + w] - node[(OLD_ACCELERATION + k) * LANES + w]
+            node[(VELOCITY + k) * LANES + w] += 0.5 * last * change
+            node[(OLD_ACCELERATION + k) * LANES + w] = node[(ACCELERATION + k) * LANES + w]
+
+
+@compiled
+def begin_stages(nodes, method, count, width):
+    """From the beginning of the step, half a step on."""
+    L = LANES
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
+        for k in range(3):
+            own = node[k * L :]
+            for w in range(width):
+                half = 0.5 * method[STEP * L + w]
+                x, v, a = own[PLACE * L + w], own[VELOCITY * L + w], own[ACCELERATION * L + w]
+                own[OLD_PLACE * L + w], own[OLD_VELOCITY * L + w], own[OLD_ACCELERATION * L + w] = x, v, a
+                own[SUM_VELOCITY * L + w], own[SUM_ACCELERATION * L + w] = v, a
+                own[PLACE * L + w], own[VELOCITY * L + w] = x + half * v, v + half * a
+
+
+@compiled
+def next_stage(nodes, method, share, count, width):
+    """From the beginning of the step, a share of it on, with velocity and acceleration of this stage."""
+    L = LANES
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
+        for k in range(3):
+            own = node[k * L :]
+            for w in range(width):
+                part = share * method[STEP * L + w]
+                v, a = own[VELOCITY * L + w], own[ACCELERATION * L + w]
+                own[SUM_VELOCITY * L + w] += 2.0 * v
+                own[SUM_ACCELERATION * L + w] += 2.0 * a
+                own[PLACE * L + w] = own[OLD_PLACE * L + w] + part * v
+                own[VELOCITY * L + w] = own[OLD_VELOCITY * L + w] + part * a
+
+
+@compiled
+def end_stages(nodes, method, count, width):
+    """The end of the step."""
+    L = LANES
+    for j in range(1, count):
+        node = nodes[NODE_ROWS * L * j : NODE_ROWS * L * (j + 1)]
+        for k in range(3):
+            own = node[k * L :]
+            for w in range(width):
+                sixth = method[STEP * L + w] / 6.0
+                v, a = own[VELOCITY * L + w], own[ACCELERATION * L + w]
+                own[PLACE * L + w] = own[OLD_PLACE * L + w] + sixth * (own[SUM_VELOCITY * L + w] + v)
+                own[VELOCITY * L + w] = own[OLD_VELOCITY * L + w] + sixth * (own[SUM_ACCELERATION * L + w] + a)
