@@ -4,7 +4,7 @@ Leapfrog is the velocity form of Stoermer's and Verlet's method: forces that dep
 the last acceleration leads to, which is corrected when the new one is known. That costs no order, and with a force
 -lambda v beside a frequency omega it is stable for omega^2 h^2 + 4 lambda h < 4.
 
-The Runge-Kutta method is the classical one of fourth order. The evaluation at the end of a step is the first of the next.
+The Runge-Kutta method is the classical one of fourth order. The evaluation at a step's end is the first of the next.
 
 Nodes have PLACE, VELOCITY and ACCELERATION of the last evaluation, OLD_... those of the step's beginning.
 """

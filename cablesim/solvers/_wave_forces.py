@@ -41,9 +41,9 @@ from cablesim.physics.nodal_line import (
 from cablesim.solvers._wave_pack import NEW, NEW_STRAIN
 
 # What an evaluation finds out about each lane: power of the forces that have no potential, largest strain, and the
-# largest rates at which drag slows the line down, across and along it.
-POWER, STRAIN, ACROSS, ALONG = range(4)
-FOUND_ROWS = 4
+# fastest flow across and along it, and the least tension.
+POWER, STRAIN, ACROSS, ALONG, LOOSEST = range(5)
+FOUND_ROWS = 5
 
 
 @compiled
@@ -55,6 +55,7 @@ def accelerate(nodes, fluid, line, elements, carry, found, is_lumped, count, wid
     """
     found[:] = 0.0
     found[STRAIN * LANES : (STRAIN + 1) * LANES] = -1.0
+    found[LOOSEST * LANES : (LOOSEST + 1) * LANES] = math.inf
     if is_lumped:
         accelerate_lumped(nodes, fluid, line, elements, carry, found, count, width)
     else:
@@ -141,6 +142,7 @@ def accelerate_lumped(nodes, fluid, line, elements, carry, found, count, width):
             found[STRAIN * L + w] = strain if strain > found[STRAIN * L + w] else found[STRAIN * L + w]
             found[ACROSS * L + w] = across if across > found[ACROSS * L + w] else found[ACROSS * L + w]
             found[ALONG * L + w] = along if along > found[ALONG * L + w] else found[ALONG * L + w]
+            found[LOOSEST * L + w] = pull if pull < found[LOOSEST * L + w] else found[LOOSEST * L + w]
     end_lumped(nodes, elements, line, carry, found, count, width)
 
 
@@ -245,6 +247,7 @@ def load_elements(nodes, fluid, line, elements, found, count, width):
             found[STRAIN * L + w] = strain if strain > found[STRAIN * L + w] else found[STRAIN * L + w]
             found[ACROSS * L + w] = across if across > found[ACROSS * L + w] else found[ACROSS * L + w]
             found[ALONG * L + w] = along if along > found[ALONG * L + w] else found[ALONG * L + w]
+            found[LOOSEST * L + w] = pull if pull < found[LOOSEST * L + w] else found[LOOSEST * L + w]
 
 
 @compiled
