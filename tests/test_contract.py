@@ -91,7 +91,6 @@ def test_only_the_wanted_outputs_come_back(solver, problem):
     assert tuple(batch.solve(solver.name, scenarios(solver, 3, problem), outputs=wanted).outputs) == wanted
 
 
-@pytest.mark.xfail(reason="wave_line records orbits and snapshots only where the history is asked as well", strict=True)
 @each_problem([(solver, number) for solver, number in PROBLEMS if getattr(solver.module, "RECORDS", False)])
 def test_what_is_recorded_does_not_depend_on_what_else_is_asked(solver, problem):
     values = scenarios(solver, 4, problem)

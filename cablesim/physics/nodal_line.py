@@ -42,7 +42,7 @@ OTHER = 6  # ... by the place of the other node
 LEFT = 12  # force less inertia at the left node
 RIGHT = 15
 TANGENT = 18
-TENSION = 21
+UNBOUND = 21  # tension, below zero where the element is slack: what it would be if it were stiff there
 SLOPE = 22  # of the tension by the element's length, where it is taut
 STRAIN = 23
 POWER = 24  # of all forces that have no potential
@@ -64,13 +64,15 @@ TINY = 1e-300
 
 @compiled
 def tension(strain, rate, linear, quadratic, damping, piece, rate_factor):
-    """Tension, its derivative by the element's length if it is taut, and the part of it that damping has."""
+    """Tension; its derivative by the element's length, if it is taut; the part of it that damping has; and the tension
+    that the law goes on to where it is slack, which is below zero there.
+    """
     law = (linear + quadratic * strain) * strain
     viscous = damping * rate / piece
-    is_taut = (strain > 0.0) & (law + viscous > 0.0)
     slope = (linear + 2.0 * quadratic * strain + rate_factor * damping) / piece
-    found = law + viscous if is_taut else 0.0
-    return found, slope, found - (law if strain > 0.0 else 0.0)
+    unbound = law + viscous if strain > 0.0 else slope * strain * piece
+    found = unbound if unbound > 0.0 else 0.0
+    return found, slope, found - (law if strain > 0.0 else 0.0), unbound
 
 
 @compiled
@@ -109,7 +111,7 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
             rx, ry, rz = ends[R + VELOCITY * L + w], ends[R + (VELOCITY + 1) * L + w], ends[R + (VELOCITY + 2) * L + w]
             strain = length / h - 1.0
             rate = tx * (rx - lx) + ty * (ry - ly) + tz * (rz - lz)
-            pull, slope, viscous = tension(
+            pull, slope, viscous, unbound = tension(
                 strain, rate, line[LINEAR * L + w], line[QUADRATIC * L + w], line[DAMPING * L + w], h, by_v
             )
 
@@ -175,7 +177,7 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
             out[TANGENT * L + w] = tx
             out[(TANGENT + 1) * L + w] = ty
             out[(TANGENT + 2) * L + w] = tz
-            out[TENSION * L + w] = pull
+            out[UNBOUND * L + w] = unbound
             out[SLOPE * L + w] = slope
             out[STRAIN * L + w] = strain
             left_power = lx * (added * qx - qt * tx) + ly * (added * qy - qt * ty) + lz * (added * qz - qt * tz)

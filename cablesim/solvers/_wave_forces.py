@@ -87,7 +87,7 @@ def accelerate_lumped(nodes, fluid, line, elements, carry, found, count, width):
             rx, ry, rz = ends[R + VELOCITY * L + w], ends[R + (VELOCITY + 1) * L + w], ends[R + (VELOCITY + 2) * L + w]
             strain = length / h - 1.0
             rate = tx * (rx - lx) + ty * (ry - ly) + tz * (rz - lz)
-            pull, _, viscous = tension(
+            pull, _, viscous, _ = tension(
                 strain, rate, line[LINEAR * L + w], line[QUADRATIC * L + w], line[DAMPING * L + w], h, 0.0
             )
             mx, my, mz = 0.5 * (lx + rx), 0.5 * (ly + ry), 0.5 * (lz + rz)
@@ -194,7 +194,7 @@ def load_elements(nodes, fluid, line, elements, found, count, width):
             rx, ry, rz = ends[R + VELOCITY * L + w], ends[R + (VELOCITY + 1) * L + w], ends[R + (VELOCITY + 2) * L + w]
             strain = length / h - 1.0
             rate = tx * (rx - lx) + ty * (ry - ly) + tz * (rz - lz)
-            pull, _, viscous = tension(
+            pull, _, viscous, _ = tension(
                 strain, rate, line[LINEAR * L + w], line[QUADRATIC * L + w], line[DAMPING * L + w], h, 0.0
             )
             mx, my, mz = 0.5 * (lx + rx), 0.5 * (ly + ry), 0.5 * (lz + rz)

@@ -121,7 +121,7 @@ def march(problem, has_waves, limits, records, fates, first, stride, width):
         note_elements(pack.elements, pack.method, pack.lane, tally, count, width)
         for w in range(width):
             if pack.lane[ACCEPTED * LANES + w] > 0.0:
-                if records.history.shape[1] > 0:
+                if records.history.shape[1] + records.orbit.shape[1] > 0:
                     note_history(pack, tally, w, records, count)
                 note_ends(pack, tally, w)
                 advance(pack, w)

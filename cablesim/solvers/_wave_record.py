@@ -34,11 +34,13 @@ from cablesim.solvers._wave_pack import (
     OLD_PLACE,
     PAST1,
     PERIOD,
+    PLACE_SCALE,
     POWER_NOW,
     SCENARIO,
     SLACK_TIME,
     SNAPS,
     STEP,
+    TENSION_SCALE,
     TIME,
     WAS_SLACK,
     WINDOW,
@@ -216,6 +218,8 @@ def finish_tally(pack, tally, w, records, count):
         records.extremes[scenario, e, 0] = element[LARGEST * L + w]
         records.extremes[scenario, e, 1] = element[LEAST * L + w]
     gain = energy(pack, w, count) - tally[ENERGY * L + w]
+    # A line that hardly moves turns over nothing but errors that are within the tolerances.
     size = max(tally[TURNOVER * L + w], abs(gain))
+    size = max(size, pack.lane[TENSION_SCALE * L + w] * pack.lane[PLACE_SCALE * L + w])
     records.line[scenario, 0], records.line[scenario, 1], records.line[scenario, 2] = slack, snaps, strain
-    records.line[scenario, 3] = abs(gain - tally[WORK * L + w]) / (size + 1e-300)
+    records.line[scenario, 3] = abs(gain - tally[WORK * L + w]) / size

@@ -33,8 +33,8 @@ from cablesim.physics.nodal_line import (
     SLOPE,
     STRAIN,
     TANGENT,
-    TENSION,
     TINY,
+    UNBOUND,
     VELOCITY,
     assemble,
     solve_inner,
@@ -251,16 +251,14 @@ def measure(nodes, elements, line, method, lane, count, width):
                 + own[(TANGENT + 1) * L + w] * (ends[R + (CHANGE + 1) * L + w] - ends[(CHANGE + 1) * L + w])
                 + own[(TANGENT + 2) * L + w] * (ends[R + (CHANGE + 2) * L + w] - ends[(CHANGE + 2) * L + w])
             )
-            pull, slope, piece = own[TENSION * L + w], own[SLOPE * L + w], line[PIECE * L + w]
-            strain = own[STRAIN * L + w]
-            is_taut = pull > 0.0
-            found = pull + slope * longer if is_taut else slope * (strain * piece + longer)
-            kept = found if found > 0.0 else 0.0
-            miss = kept - found if is_taut else kept
+            unbound, strain = own[UNBOUND * L + w], own[STRAIN * L + w]
+            found = unbound + own[SLOPE * L + w] * longer
+            pull, kept = unbound if unbound > 0.0 else 0.0, found if found > 0.0 else 0.0
+            miss = kept - found if unbound > 0.0 else kept
             shift = abs(kept - pull)
             is_active = method[ACTIVE * L + w] > 0.0
             own[NEW * L + w] = kept if is_active else own[NEW * L + w]
-            own[NEW_STRAIN * L + w] = strain + longer / piece if is_active else own[NEW_STRAIN * L + w]
+            own[NEW_STRAIN * L + w] = strain + longer / line[PIECE * L + w] if is_active else own[NEW_STRAIN * L + w]
             lane[LARGEST_SHIFT * L + w] = shift if shift > lane[LARGEST_SHIFT * L + w] else lane[LARGEST_SHIFT * L + w]
             lane[LARGEST_MISS * L + w] = miss if miss > lane[LARGEST_MISS * L + w] else lane[LARGEST_MISS * L + w]
             lane[POWER_IN * L + w] += own[POWER * L + w] if is_active else 0.0
