@@ -13,7 +13,7 @@ SHORTEST_SERIES = 3
 
 @dataclass(frozen=True)
 class Method:
-    """A named solver with its options; `ignores` are the design's parameters that it has no use for."""
+    """A named solver with its options; `ignores` are the design's parameters that it has no use for, or does without."""
 
     name: str
     solver: Solver
@@ -22,8 +22,8 @@ class Method:
 
     @property
     def columns(self) -> set[str]:
-        """The parameters that it has, as designs hold them."""
-        return set(self.solver.columns)
+        """The parameters that it has and does not ignore, as designs hold them."""
+        return set(self.solver.columns) - self.ignores
 
     @cached_property
     def made_options(self) -> Any:

@@ -19,7 +19,7 @@ from cablesim.design import Design
 from cablesim.errors import InputError, nearest
 from cablesim.parameters import nearest_parameter
 from cablesim.quantities import LONG, component_names, most_sections, quantity, section_number
-from cablesim.solver import load_solver
+from cablesim.solver import Solver, load_solver
 
 # What the cells of an audited table are called; the last one may be called otherwise.
 AGREES, ROUNDED_KEY, MISPRINT = "agrees", "rounded key", "misprint"
@@ -158,9 +158,16 @@ def _read_method(name: str, node: Node) -> Method:
     )
     made = keys.get("options", node).located(solver.make_options, options)
     ignores = frozenset(name for entry in _ignored(node) for name in component_names(entry.text()))
-    for ignored in ignores & set(solver.columns):
-        keys["ignores"].fail(f"{solver.name} has the parameter '{ignored}': it cannot ignore it")
+    for ignored in sorted(ignores & set(solver.columns)):
+        if not _does_without(solver, ignored):
+            keys["ignores"].fail(f"{solver.name} has the parameter '{ignored}': it cannot ignore it")
     return Method(name, solver, {option: getattr(made, option) for option in solver.options}, ignores)
+
+
+def _does_without(solver: Solver, name: str) -> bool:
+    """Whether a parameter of a solver, or the one that it stands in for, may be left out and has no default."""
+    spec = solver.parameters.get(name)
+    return spec is not None and solver.parameters[spec.instead_of or name].otherwise is not None
 
 
 def _ignored(method: Node) -> list[Node]:
