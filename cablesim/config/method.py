@@ -13,7 +13,7 @@ SHORTEST_SERIES = 3
 
 @dataclass(frozen=True)
 class Method:
-    """A named solver with its options; `ignores` are the design's parameters that it has no use for, or does without."""
+    """A named solver with its options; `ignores` are the design's parameters that it lacks or does without."""
 
     name: str
     solver: Solver
