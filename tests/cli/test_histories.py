@@ -140,6 +140,16 @@ def test_a_parameter_that_is_left_out_is_not_in_the_dataset_and_a_shard_without_
     assert len(shards) == 4
 
 
+def test_a_method_may_do_without_what_may_be_left_out(tmp_path, ask: Ask):
+    methods = "{given: {solver: swinging_line}, free: {solver: swinging_line, ignores: [top_amplitude]}}"
+    found = run(tmp_path, methods=methods, outputs="[max_top_tension]").max_top_tension
+    # 1000 N (1 + A/Z), with 1 m where the amplitude is left out.
+    np.testing.assert_allclose(found.sel({"method": "given", "depth": 20.0}), [1050.0, 1150.0])
+    np.testing.assert_allclose(found.sel({"method": "free", "depth": 20.0}), [1050.0, 1050.0])
+    (tmp_path / "swung.yaml").write_text(swung(methods=methods.replace("[top_amplitude]", "[depth]")))
+    assert_refused(ask("check", tmp_path / "swung.yaml"), "has the parameter 'depth': it cannot ignore it")
+
+
 # ---- sizes and cost ----
 
 
