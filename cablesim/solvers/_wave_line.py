@@ -43,7 +43,7 @@ class MooredLine(Batch):
     mass_per_length: Array = parameter(above=0.0, typical=(1.0, 10.0))
     area: Array = parameter(at_least=0.0, typical=(1e-4, 1e-3))
     linear_stiffness: Array = parameter(above=0.0, typical=(1e6, 1e7))
-    quadratic_stiffness: Array = parameter(typical=(0.0, 1e7), otherwise="0: a linear law")
+    quadratic_stiffness: Array = parameter(typical=(0.0, 1e7), otherwise="no quadratic part")
     stiffness_ratio: Array = parameter(instead_of="quadratic_stiffness", typical=(0.0, 0.2))
     internal_damping: Array = parameter(at_least=0.0, default=0.0, typical=(0.0, 1e4))
     normal_drag: Array = parameter(at_least=0.0, typical=(5.0, 20.0))
