@@ -6,8 +6,9 @@ Element e joins the nodes e and e + 1. With d the vector between them, t = d/|d|
     M a = +-T t + h/2 [ (m - rho F) g + C_n |u_n| u_n + C_t |u_t| u_t + (rho F + C_a P) a_f ]         (M16)
 
 where u is the velocity and a_f the acceleration of the fluid at the middle of the element, u relative to the line, u_t
-its part along t and u_n across it, P = 1 - t t' (or 1, if the added mass is isotropic). The mass matrix of an element
-is h (m + C_a P) times [[1/3, 1/6], [1/6, 1/3]] (consistent) or [[1/2, 0], [0, 1/2]] (lumped).
+its part along t and u_n across it, P = 1 - t t' (or 1, if the added mass is isotropic). The part of T with c is at most
+as large as the rest of it, so that T is continuous where an element tightens. The mass matrix of an element is
+h (m + C_a P) times [[1/3, 1/6], [1/6, 1/3]] (consistent) or [[1/2, 0], [0, 1/2]] (lumped).
 
 Everything is done for `width` lines side by side (see `numerics.lanes`); all arrays are flat, with a last index LANES
 long that is the lane.
@@ -69,7 +70,10 @@ def tension(strain, rate, linear, quadratic, damping, piece, rate_factor):
     """
     law = (linear + quadratic * strain) * strain
     viscous = damping * rate / piece
-    slope = (linear + 2.0 * quadratic * strain + rate_factor * damping) / piece
+    stiffness = (linear + 2.0 * quadratic * strain) / piece
+    is_bound = (viscous > law) & (viscous > 0.0)
+    viscous = law if is_bound else viscous
+    slope = 2.0 * stiffness if is_bound else stiffness + rate_factor * damping / piece
     unbound = law + viscous if strain > 0.0 else slope * strain * piece
     found = unbound if unbound > 0.0 else 0.0
     return found, slope, found - (law if strain > 0.0 else 0.0), unbound

@@ -14,7 +14,7 @@ from cablesim.numerics.compiled import compiled
 from cablesim.numerics.lanes import LANES
 from cablesim.numerics.threads import thread_count
 from cablesim.physics.nodal_line import ACCELERATION, ELEMENT_ROWS, NODE_ROWS, PLACE, VELOCITY
-from cablesim.physics.waves import FLUID_SIZE, STREAM_X, STREAM_Y
+from cablesim.physics.waves import FLUID_SIZE, START, STREAM_X, STREAM_Y
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
     CONVERGED,
@@ -70,7 +70,7 @@ from cablesim.solvers._wave_step import RHO_TAUT, iterate, judge, move_ends, pre
 # Error of a step in tolerances that is let pass, and how the next step follows from it.
 LET_PASS = 3.0
 GROWTH, SHRINK, SAFETY, AFTER_FAILURE = 2.0, 0.2, 0.9, 0.25
-FIRST_STEPS_PER_PERIOD = 100.0
+FIRST_STEPS_PER_PERIOD, FIRST_AFTER_JERK = 100.0, 1e-3
 # Parts of a period: a step shorter than this is a failure, and a line counts as slack for this long.
 LEAST_STEP, SLACK_FOR = 1e-9, 0.5
 
@@ -149,6 +149,9 @@ def load(pack, tally, w, scenario, problem, fixed, count):
         pack.fluid[FLUID_SIZE * e * LANES + w] = pack.wave[STREAM_X * LANES + w]
         pack.fluid[(FLUID_SIZE * e + 1) * LANES + w] = pack.wave[STREAM_Y * LANES + w]
     step = fixed if fixed > 0.0 else pack.lane[PERIOD * LANES + w] / FIRST_STEPS_PER_PERIOD
+    # Accelerations are zero before; without a ramp they jump, and a short step bears that.
+    if fixed == 0.0 and problem.motions[scenario, START] > 0.0:
+        step *= FIRST_AFTER_JERK
     pack.lane[NEXT_STEP * LANES + w] = step
     pack.lane[LAST_STEP * LANES + w] = pack.lane[STEP_BEFORE * LANES + w] = step
     pack.lane[SHIFT_TIME * LANES + w] = step * (RHO_TAUT - 1.0) / (RHO_TAUT + 1.0)
