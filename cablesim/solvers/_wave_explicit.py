@@ -11,34 +11,41 @@ from typing import Any
 import numpy as np
 
 from cablesim.numerics.compiled import compiled
+from cablesim.numerics.elementary import sine_cosine
 from cablesim.numerics.lanes import LANES
 from cablesim.numerics.threads import thread_count
 from cablesim.physics.nodal_line import (
     ACCELERATION,
     ELEMENT_ROWS,
+    LEFT,
     LINEAR,
     NODE_ROWS,
+    OTHER,
     OTHER_SHARE,
     PIECE,
     PLACE,
+    RIGHT,
+    TINY,
     VELOCITY,
 )
-from cablesim.physics.waves import FLUID_SIZE, STREAM_X, STREAM_Y, top_motion
+from cablesim.physics.waves import FLUID_SIZE, OMEGA, RATE, START, STREAM_X, STREAM_Y, C, S, ramp_at
 from cablesim.solvers._wave_explicit_step import (
     begin_stages,
     correct_velocities,
     end_stages,
+    find_limits,
     leap,
     next_stage,
-    stable_step,
 )
 from cablesim.solvers._wave_forces import FOUND_ROWS, LOOSEST, POWER, accelerate
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
+    ANCHOR_NOW,
     END,
     EVALUATIONS,
     GAVE_UP,
     LAST_STEP,
+    MIDDLE_NOW,
     NEW,
     NEXT_STEP,
     OLD_ACCELERATION,
@@ -47,7 +54,7 @@ from cablesim.solvers._wave_pack import (
     PAST1,
     PERIOD,
     PLACE_SCALE,
-    POWER_IN,
+    POWER_NOW,
     SCENARIO,
     SLACK_UNTIL,
     SOLVED,
@@ -71,7 +78,7 @@ from cablesim.solvers._wave_record import (
     note_ends,
     note_history,
 )
-from cablesim.solvers._wave_step import find_fluid, keep_forces, step_to_meet
+from cablesim.solvers._wave_step import find_fluid, step_to_meet
 
 # Part of the longest stable step that is taken.
 SAFETY = 0.9
@@ -84,8 +91,11 @@ STEPS_JUDGED = 32.0
 # Error of a step in tolerances that is let pass, and what follows for the step.
 LET_PASS, GROWTH, SHRINK = 3.0, 2.0, 0.2
 # Beside the rows of the pack, a lane has the step that its error wants, and steps and time since that was judged.
-WANTED, SINCE, JUDGED_AT = range(3)
-OWN_ROWS = 3
+# and whether that is due, the longest step for vibrations, and the top end's place at rest.
+WANTED, SINCE, JUDGED_AT, DUE, LIMIT, REST = range(6)
+OWN_ROWS = REST + 3
+# Rows of room to work in where `find_defects` leaves the largest.
+PULL_DEFECT, PLACE_DEFECT = 7, 8
 
 
 def march_all(is_leapfrog: bool, problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
@@ -124,7 +134,7 @@ def march(problem, has_waves, is_leapfrog, limits, records, fates, first, stride
     rtol, fixed, most_steps = limits
     count = problem.tensions.shape[1]
     pack, tally = make_pack(count), np.zeros(TALLY_ROWS * LANES)
-    found, own = np.zeros(FOUND_ROWS * LANES), np.zeros(OWN_ROWS * LANES)
+    found, own = np.zeros(FOUND_ROWS * LANES), np.ones(OWN_ROWS * LANES)
     is_lumped = problem.lines[0, OTHER_SHARE] == 0.0
     queue, busy = first, 0
     for w in range(width):
@@ -133,25 +143,27 @@ def march(problem, has_waves, is_leapfrog, limits, records, fates, first, stride
     while busy:
         for w in range(width):
             set_step(pack, w)
-        keep_tensions(pack.elements, count, width)
+        keep_old(pack.nodes, pack.elements, count, width)
         if is_leapfrog:
             leap(pack.nodes, pack.method, pack.lane[LAST_STEP * LANES : (LAST_STEP + 1) * LANES], count, width)
         else:
-            take_stages(pack, problem, found, has_waves, is_lumped, count, width)
-        evaluate(pack, problem, found, 1.0, has_waves, is_lumped, count, width)
-        for w in range(width):
-            pack.lane[POWER_IN * LANES + w] = found[POWER * LANES + w]
-            keep_forces(pack, w, count)
+            take_stages(pack, own, found, has_waves, is_lumped, count, width)
+        evaluate(pack, own, found, 1.0, has_waves, is_lumped, count, width)
+        find_supports(pack.nodes, pack.elements, pack.lane, found, count, width)
         note_elements(pack.elements, pack.method, pack.lane, tally, count, width)
+        find_limits(pack.line, found, own[LIMIT * LANES : (LIMIT + 1) * LANES], is_leapfrog, width)
+        judge_lanes(pack, own, is_leapfrog, rtol, count, width)
         for w in range(width):
             if pack.lane[ACCEPTED * LANES + w] > 0.0:
-                if records.history.shape[1] > 0:
+                if records.history.shape[1] + records.orbit.shape[1] > 0:
                     note_history(pack, tally, w, records, count)
                 note_ends(pack, tally, w)
             if pack.lane[SCENARIO * LANES + w] >= 0.0:
                 advance(pack, found, w)
-                choose_step(pack, found, own, w, is_leapfrog, rtol, fixed, count)
-                fate = fate_of(pack, found, w, is_leapfrog, fixed, most_steps)
+                longest = longest_step(pack.lane, own, w, is_leapfrog)
+                wanted = min(SAFETY * longest, own[WANTED * LANES + w])
+                pack.lane[NEXT_STEP * LANES + w] = fixed if fixed > 0.0 else wanted
+                fate = fate_of(pack, found, w, fixed, longest, most_steps)
                 if fate >= 0.0:
                     unload(pack, tally, w, is_leapfrog, records, fates, fate, count)
                     busy += load(pack, tally, own, w, queue, problem, count) - 1
@@ -176,6 +188,8 @@ def load(pack, tally, own, w, scenario, problem, count):
         pack.fluid[(FLUID_SIZE * e + 1) * LANES + w] = pack.wave[STREAM_Y * LANES + w]
     pack.lane[SLACK_UNTIL * LANES + w] = -1.0
     own[WANTED * LANES + w] = LONGEST * pack.lane[PERIOD * LANES + w]
+    for k in range(3):
+        own[(REST + k) * LANES + w] = problem.starts[scenario, count, k]
     own[SINCE * LANES + w] = own[JUDGED_AT * LANES + w] = 0.0
     return 1
 
@@ -192,8 +206,13 @@ def set_step(pack, w):
 
 
 @compiled
-def keep_tensions(elements, count, width):
+def keep_old(nodes, elements, count, width):
+    """What the integrator does not keep itself: tensions, and where the top end is."""
     L, E = LANES, ELEMENT_ROWS * LANES
+    top = nodes[NODE_ROWS * L * count :]
+    for k in range(3):
+        for w in range(width):
+            top[(OLD_PLACE + k) * L + w] = top[(PLACE + k) * L + w]
     for e in range(count):
         own = elements[E * e : E * (e + 1)]
         for w in range(width):
@@ -201,21 +220,21 @@ def keep_tensions(elements, count, width):
 
 
 @compiled
-def take_stages(pack, problem, found, has_waves, is_lumped, count, width):
+def take_stages(pack, own, found, has_waves, is_lumped, count, width):
     """All of a Runge-Kutta step but the evaluation at its end."""
     begin_stages(pack.nodes, pack.method, count, width)
-    evaluate(pack, problem, found, 0.5, has_waves, is_lumped, count, width)
+    evaluate(pack, own, found, 0.5, has_waves, is_lumped, count, width)
     next_stage(pack.nodes, pack.method, 0.5, count, width)
-    evaluate(pack, problem, found, 0.5, has_waves, is_lumped, count, width)
+    evaluate(pack, own, found, 0.5, has_waves, is_lumped, count, width)
     next_stage(pack.nodes, pack.method, 1.0, count, width)
-    evaluate(pack, problem, found, 1.0, has_waves, is_lumped, count, width)
+    evaluate(pack, own, found, 1.0, has_waves, is_lumped, count, width)
     end_stages(pack.nodes, pack.method, count, width)
 
 
 @compiled
-def evaluate(pack, problem, found, share, has_waves, is_lumped, count, width):
+def evaluate(pack, own, found, share, has_waves, is_lumped, count, width):
     """Tensions and accelerations a share of the step on."""
-    move_ends(pack, problem, share, count, width)
+    move_tops(pack.nodes, pack.motion, pack.times, pack.lane, pack.method, own, share, count, width)
     if has_waves:
         find_fluid(pack, count, width)
     accelerate(pack.nodes, pack.fluid, pack.line, pack.elements, pack.carry, found, is_lumped, count, width)
@@ -224,21 +243,53 @@ def evaluate(pack, problem, found, share, has_waves, is_lumped, count, width):
 
 
 @compiled
-def move_ends(pack, problem, share, count, width):
-    """Each lane's time, and where its top end is then."""
+def move_tops(nodes, motion, times, lane, method, own, share, count, width):
+    """Each lane's time, and where its top end is then: `physics.waves.top_motion` of all lanes."""
     L = LANES
-    top = pack.nodes[NODE_ROWS * L * count :]
+    top = nodes[NODE_ROWS * L * count :]
     for w in range(width):
-        scenario = int(pack.lane[SCENARIO * L + w])
-        pack.times[w] = pack.lane[TIME * L + w] + share * pack.method[STEP * L + w]
-        if scenario < 0:
-            continue
-        top_motion(pack.times[w], pack.motion, w, pack.top)
+        time = lane[TIME * L + w] + share * method[STEP * L + w]
+        omega = motion[OMEGA * L + w]
+        ramp, rate, bend = ramp_at(time, motion[START * L + w], motion[RATE * L + w])
+        sine, cosine = sine_cosine(omega * time)
+        times[w] = time
         for k in range(3):
-            top[(OLD_PLACE + k) * L + w] = top[(PLACE + k) * L + w]
-            top[(PLACE + k) * L + w] = problem.starts[scenario, count, k] + pack.top[k * L + w]
-            top[(VELOCITY + k) * L + w] = pack.top[(3 + k) * L + w]
-            top[(ACCELERATION + k) * L + w] = pack.top[(6 + k) * L + w]
+            c, s = motion[(C + k) * L + w], motion[(S + k) * L + w]
+            here, turned = c * cosine + s * sine, omega * (s * cosine - c * sine)
+            top[(PLACE + k) * L + w] = own[(REST + k) * L + w] + ramp * here
+            top[(VELOCITY + k) * L + w] = ramp * turned + rate * here
+            top[(ACCELERATION + k) * L + w] = bend * here + 2.0 * rate * turned - ramp * omega * omega * here
+
+
+@compiled
+def find_supports(nodes, elements, lane, found, count, width):
+    """`keep_forces` of all lanes: forces on the ends, the tension in the middle, all power without a potential."""
+    L, R, E = LANES, NODE_ROWS * LANES, ELEMENT_ROWS * LANES
+    first, last = elements[:E], elements[E * (count - 1) : E * count]
+    before, after = elements[E * ((count - 1) // 2) :], elements[E * (count // 2) :]
+    inner, outer, top = nodes[R : 2 * R], nodes[R * (count - 1) : R * count], nodes[R * count : R * (count + 1)]
+    for w in range(width):
+        ax, ay, az = support(first, inner, LEFT, w)
+        bx, by, bz = support(last, outer, RIGHT, w)
+        lane[ANCHOR_NOW * L + w] = math.sqrt(ax * ax + ay * ay + az * az)
+        lane[TOP_NOW * L + w] = math.sqrt(bx * bx + by * by + bz * bz)
+        lane[MIDDLE_NOW * L + w] = 0.5 * (before[NEW * L + w] + after[NEW * L + w])
+        given = bx * top[VELOCITY * L + w] + by * top[(VELOCITY + 1) * L + w] + bz * top[(VELOCITY + 2) * L + w]
+        lane[POWER_NOW * L + w] = found[POWER * L + w] - given
+
+
+@compiled
+def support(element, node, side, w):
+    """The force on an end of the line; what the other node's acceleration takes from it is not in the element's yet."""
+    L = LANES
+    x, y, z = node[ACCELERATION * L + w], node[(ACCELERATION + 1) * L + w], node[(ACCELERATION + 2) * L + w]
+    xx, xy, xz = element[OTHER * L + w], element[(OTHER + 1) * L + w], element[(OTHER + 2) * L + w]
+    yy, yz, zz = element[(OTHER + 3) * L + w], element[(OTHER + 4) * L + w], element[(OTHER + 5) * L + w]
+    return (
+        element[side * L + w] - (xx * x + xy * y + xz * z),
+        element[(side + 1) * L + w] - (xy * x + yy * y + yz * z),
+        element[(side + 2) * L + w] - (xz * x + yz * y + zz * z),
+    )
 
 
 @compiled
@@ -259,73 +310,75 @@ def advance(pack, found, w):
 
 
 @compiled
-def choose_step(pack, found, own, w, is_leapfrog, rtol, fixed, count):
-    """How long the next step of a lane is."""
-    lane, step, period = pack.lane, pack.method[STEP * LANES + w], pack.lane[PERIOD * LANES + w]
-    if fixed > 0.0:
-        lane[NEXT_STEP * LANES + w] = fixed
-        return
-    own[SINCE * LANES + w] += 1.0
-    due = lane[TIME * LANES + w] - own[JUDGED_AT * LANES + w] >= JUDGED * period
-    if step > 0.0 and (due or own[SINCE * LANES + w] >= STEPS_JUDGED):
-        own[SINCE * LANES + w], own[JUDGED_AT * LANES + w] = 0.0, lane[TIME * LANES + w]
-        tolerance = LET_PASS * rtol if is_leapfrog else LET_PASS * (10.0 * rtol) ** 0.75
-        error = defect(pack, w, count) / tolerance
-        factor = min(GROWTH, max(SHRINK, (error + 1e-10) ** (-1.0 / 3.0)))
-        own[WANTED * LANES + w] = min(LONGEST * period, factor * step)
-    safe = SAFETY * longest_step(pack, found, w, is_leapfrog)
-    lane[NEXT_STEP * LANES + w] = min(safe, own[WANTED * LANES + w])
-
-
-@compiled
-def longest_step(pack, found, w, is_leapfrog):
+def longest_step(lane, own, w, is_leapfrog):
     """The longest step with which a lane's energy does not grow: of a line with slack elements, too."""
-    longest = stable_step(pack.line, found, w, is_leapfrog)
-    return (
-        SLACK_SHARE * longest
-        if is_leapfrog and pack.lane[TIME * LANES + w] < pack.lane[SLACK_UNTIL * LANES + w]
-        else longest
-    )
+    is_slack = lane[TIME * LANES + w] < lane[SLACK_UNTIL * LANES + w]
+    return own[LIMIT * LANES + w] * (SLACK_SHARE if is_leapfrog and is_slack else 1.0)
 
 
 @compiled
-def defect(pack, w, count):
-    """What the change of acceleration adds to places, and to tensions by that, in their scales, over a step.
+def judge_lanes(pack, own, is_leapfrog, rtol, count, width):
+    """Where it is time, judge the error of a lane's step, and how long a step that wants."""
+    L, lane, is_due = LANES, pack.lane, False
+    for w in range(width):
+        own[SINCE * L + w] += lane[ACCEPTED * L + w]
+        late = lane[TIME * L + w] - own[JUDGED_AT * L + w] >= JUDGED * lane[PERIOD * L + w]
+        due = (lane[ACCEPTED * L + w] > 0.0) & (late | (own[SINCE * L + w] >= STEPS_JUDGED))
+        own[DUE * L + w] = 1.0 if due else 0.0
+        is_due |= due
+    if not is_due:
+        return
+    find_defects(pack.nodes, pack.elements, pack.line, pack.method, pack.carry, count, width)
+    for w in range(width):
+        if own[DUE * L + w] > 0.0:
+            place = pack.carry[PLACE_DEFECT * L + w] / lane[PLACE_SCALE * L + w]
+            pull = pack.carry[PULL_DEFECT * L + w] / lane[TENSION_SCALE * L + w]
+            # The Runge-Kutta method's error is the same to the power of 4/3, about.
+            error = max(place, pull) / (LET_PASS * (rtol if is_leapfrog else (10.0 * rtol) ** 0.75))
+            factor = min(GROWTH, max(SHRINK, (error + 1e-10) ** (-1.0 / 3.0)))
+            own[WANTED * L + w] = min(LONGEST * lane[PERIOD * L + w], factor * pack.method[STEP * L + w])
+            own[SINCE * L + w], own[JUDGED_AT * L + w] = 0.0, lane[TIME * L + w]
 
-    Tensions are smoothed along the line, (1 2 1)/4 twice: waves of two elements' length are the mesh's.
+
+@compiled
+def find_defects(nodes, elements, line, method, room, count, width):
+    """What the change of acceleration adds over a step to places, and to tensions by that, at most.
+
+    Tensions are smoothed along the line by (1 4 6 4 1)/16: waves of two elements' length are the mesh's. The first
+    rows of `room` are the last four elements' tensions and the last node's place.
     """
-    L, R, line = LANES, NODE_ROWS * LANES, pack.line
-    h, piece = pack.method[STEP * L + w], line[PIECE * L + w]
-    sixth = h * h / 6.0
-    place, pull, a, b, c, d = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    lx, ly, lz = 0.0, 0.0, 0.0
+    L, R, E = LANES, NODE_ROWS * LANES, ELEMENT_ROWS * LANES
+    room[: 9 * L] = 0.0
     for e in range(count):
-        ends = pack.nodes[R * e : R * (e + 2)]
-        rx, ry, rz = 0.0, 0.0, 0.0
-        if e < count - 1:
+        ends, out = nodes[R * e : R * (e + 2)], elements[E * e : E * (e + 1)]
+        is_inner = 1.0 if e < count - 1 else 0.0
+        for w in range(width):
+            h, piece = method[STEP * L + w], line[PIECE * L + w]
+            sixth = is_inner * h * h / 6.0
             rx = sixth * (ends[R + ACCELERATION * L + w] - ends[R + OLD_ACCELERATION * L + w])
             ry = sixth * (ends[R + (ACCELERATION + 1) * L + w] - ends[R + (OLD_ACCELERATION + 1) * L + w])
             rz = sixth * (ends[R + (ACCELERATION + 2) * L + w] - ends[R + (OLD_ACCELERATION + 2) * L + w])
-        dx, dy, dz = ends[R + w] - ends[w], ends[R + L + w] - ends[L + w], ends[R + 2 * L + w] - ends[2 * L + w]
-        length = math.sqrt(dx * dx + dy * dy + dz * dz) + 1e-300
-        place = max(place, abs(rx), abs(ry), abs(rz))
-        now = (dx * (rx - lx) + dy * (ry - ly) + dz * (rz - lz)) / length
-        if pack.elements[(ELEMENT_ROWS * e + NEW) * L + w] <= 0.0:
-            now = 0.0
-        pull = max(pull, abs(a + now + 4.0 * (b + d) + 6.0 * c) / 16.0)
-        a, b, c, d = b, c, d, now
-        lx, ly, lz = rx, ry, rz
-    slope = line[LINEAR * L + w] / piece
-    return max(place / pack.lane[PLACE_SCALE * L + w], slope * pull / pack.lane[TENSION_SCALE * L + w])
+            dx, dy, dz = ends[R + w] - ends[w], ends[R + L + w] - ends[L + w], ends[R + 2 * L + w] - ends[2 * L + w]
+            length = math.sqrt(dx * dx + dy * dy + dz * dz) + TINY
+            longer = dx * (rx - room[4 * L + w]) + dy * (ry - room[5 * L + w]) + dz * (rz - room[6 * L + w])
+            slope = line[LINEAR * L + w] / (piece * length) if out[NEW * L + w] > 0.0 else 0.0
+            a, b, c, d, now = room[w], room[L + w], room[2 * L + w], room[3 * L + w], slope * longer
+            pull = abs(a + now + 4.0 * (b + d) + 6.0 * c) / 16.0
+            place = math.sqrt(rx * rx + ry * ry + rz * rz)
+            room[w], room[L + w], room[2 * L + w], room[3 * L + w] = b, c, d, now
+            room[4 * L + w], room[5 * L + w], room[6 * L + w] = rx, ry, rz
+            most, furthest = room[PULL_DEFECT * L + w], room[PLACE_DEFECT * L + w]
+            room[PULL_DEFECT * L + w] = pull if pull > most else most
+            room[PLACE_DEFECT * L + w] = place if place > furthest else furthest
 
 
 @compiled
-def fate_of(pack, found, w, is_leapfrog, fixed, most_steps):
+def fate_of(pack, found, w, fixed, longest, most_steps):
     """How a lane's scenario has ended; negative where it goes on."""
     lane = pack.lane
     if not (math.isfinite(found[POWER * LANES + w]) and math.isfinite(lane[TOP_NOW * LANES + w])):
         return GAVE_UP
-    if fixed > longest_step(pack, found, w, is_leapfrog):
+    if fixed > longest:
         return GAVE_UP
     if lane[TIME * LANES + w] >= lane[END * LANES + w]:
         return SOLVED

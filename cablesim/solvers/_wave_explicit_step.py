@@ -45,31 +45,31 @@ SUM_ACCELERATION, SUM_VELOCITY = START_SHIFTED, OLD_SHIFTED
 
 
 @compiled
-def stable_step(line, found, w, is_leapfrog):
-    """The longest stable step of a lane, for the strain, the drag and the damping that it has now.
+def find_limits(line, found, limits, is_leapfrog, width):
+    """The longest stable step of each lane, for the strain, the drag and the damping that it has now.
 
     The highest frequency is that of neighbours moving against each other along the line, where only the mass counts
-    that added mass has no part in; where a law softens, it may be as stiff as without strain.
+    that added mass has no part in; where a law softens, it may be as stiff as without strain. In that motion, a
+    consistent mass is a third of the lumped one.
     """
-    h = line[PIECE * LANES + w]
-    mass = line[MASS * LANES + w] - line[ADDED_TANGENT * LANES + w]
-    linear, quadratic, strain = (
-        line[LINEAR * LANES + w],
-        line[QUADRATIC * LANES + w],
-        max(found[STRAIN * LANES + w], 0.0),
-    )
-    stiffness = linear + 2.0 * max(quadratic, 0.0) * strain
-    # A consistent mass of an element is a third of the lumped one where its nodes move against each other.
-    share = 3.0 if line[OTHER_SHARE * LANES + w] > 0.0 else 1.0
-    square = 4.0 * share * stiffness / (mass * h * h)
-    slowed = 4.0 * share * line[DAMPING * LANES + w] / (mass * h * h)
-    across = line[NORMAL_DRAG * LANES + w] * found[ACROSS * LANES + w] / line[MASS * LANES + w]
-    slowed += 2.0 * max(across, line[TANGENT_DRAG * LANES + w] * found[ALONG * LANES + w] / mass)
-    if is_leapfrog:
-        return 2.0 / (slowed + math.sqrt(slowed * slowed + square))
-    half = 0.5 * slowed
-    fastest = half + math.sqrt(half * half - square) if half * half > square else math.sqrt(square)
-    return RUNGE_KUTTA_LIMIT / fastest
+    L = LANES
+    for w in range(width):
+        h, all_mass = line[PIECE * L + w], line[MASS * L + w]
+        mass = all_mass - line[ADDED_TANGENT * L + w]
+        linear, quadratic, strain = line[LINEAR * L + w], line[QUADRATIC * L + w], found[STRAIN * L + w]
+        stiffer = 2.0 * quadratic * strain if (quadratic > 0.0) & (strain > 0.0) else 0.0
+        per_mass = (12.0 if line[OTHER_SHARE * L + w] > 0.0 else 4.0) / (mass * h * h)
+        square, slowed = per_mass * (linear + stiffer), per_mass * line[DAMPING * L + w]
+        across = line[NORMAL_DRAG * L + w] * found[ACROSS * L + w] / all_mass
+        along = line[TANGENT_DRAG * L + w] * found[ALONG * L + w] / mass
+        slowed += 2.0 * (across if across > along else along)
+        if is_leapfrog:
+            limits[w] = 2.0 / (slowed + math.sqrt(slowed * slowed + square))
+        else:
+            half = 0.5 * slowed
+            excess = half * half - square
+            fastest = half + math.sqrt(excess) if excess > 0.0 else math.sqrt(square)
+            limits[w] = RUNGE_KUTTA_LIMIT / fastest
 
 
 @compiled

@@ -68,13 +68,16 @@ def accelerate(nodes, fluid, line, elements, carry, found, is_lumped, count, wid
 def accelerate_lumped(nodes, fluid, line, elements, carry, found, count, width):
     """A node's acceleration is known as soon as its right element's forces are."""
     L, R, E = LANES, NODE_ROWS * LANES, ELEMENT_ROWS * LANES
-    for w in range(9 * L):
-        carry[w] = 0.0
+    for w in range(width):
+        for row in range(6):
+            carry[row * L + w] = 0.0
+        carry[6 * L + w] = 1.0 / line[PIECE * L + w]
+        carry[7 * L + w] = 1.0 / (line[PIECE * L + w] * line[MASS * L + w])
     for e in range(count):
         ends = nodes[R * e : R * (e + 2)]
         flow, out = fluid[6 * L * e : 6 * L * (e + 1)], elements[E * e : E * (e + 1)]
         for w in range(width):
-            h = line[PIECE * L + w]
+            h, per_piece, per_mass = line[PIECE * L + w], carry[6 * L + w], carry[7 * L + w]
             dx, dy, dz = (
                 ends[R + w] - ends[w],
                 ends[R + L + w] - ends[L + w],
@@ -85,7 +88,7 @@ def accelerate_lumped(nodes, fluid, line, elements, carry, found, count, width):
             tx, ty, tz = dx * inverse, dy * inverse, dz * inverse
             lx, ly, lz = ends[VELOCITY * L + w], ends[(VELOCITY + 1) * L + w], ends[(VELOCITY + 2) * L + w]
             rx, ry, rz = ends[R + VELOCITY * L + w], ends[R + (VELOCITY + 1) * L + w], ends[R + (VELOCITY + 2) * L + w]
-            strain = length / h - 1.0
+            strain = length * per_piece - 1.0
             rate = tx * (rx - lx) + ty * (ry - ly) + tz * (rz - lz)
             pull, _, viscous, _ = tension(
                 strain, rate, line[LINEAR * L + w], line[QUADRATIC * L + w], line[DAMPING * L + w], h, 0.0
@@ -120,13 +123,12 @@ def accelerate_lumped(nodes, fluid, line, elements, carry, found, count, width):
             whole, less = h * line[MASS * L + w], 0.5 * lost
             cross, diagonal = less * (tx * sx + ty * sy + tz * sz), whole - less
             ft, fs = fx * tx + fy * ty + fz * tz, fx * sx + fy * sy + fz * sz
-            share = less / ((diagonal * diagonal - cross * cross) * whole)
+            share = less * per_mass / (diagonal * diagonal - cross * cross)
             by_t, by_s = share * (diagonal * ft + cross * fs), share * (diagonal * fs + cross * ft)
-            over = 1.0 / whole
             ax, ay, az = (
-                fx * over + by_t * tx + by_s * sx,
-                fy * over + by_t * ty + by_s * sy,
-                fz * over + by_t * tz + by_s * sz,
+                fx * per_mass + by_t * tx + by_s * sx,
+                fy * per_mass + by_t * ty + by_s * sy,
+                fz * per_mass + by_t * tz + by_s * sz,
             )
             ends[ACCELERATION * L + w] = ax
             ends[(ACCELERATION + 1) * L + w] = ay
