@@ -1,7 +1,7 @@
 """What is kept of a line while it moves: extremes and means over the window, energy, and histories if they are asked.
 
 The window are the last whole periods, which every quantity but the largest strain and the balance of energy is for.
-Between steps an end's tension is a parabola through three of them, a history a straight line.
+Between steps a tension at an end or in the middle is a parabola through the ends of this step and the last one.
 """
 
 import numpy as np
@@ -32,6 +32,7 @@ from cablesim.solvers._wave_pack import (
     NEW,
     NEW_STRAIN,
     OLD_PLACE,
+    OLD_VELOCITY,
     PAST1,
     PERIOD,
     PLACE_SCALE,
@@ -139,7 +140,8 @@ def note_ends(pack, tally, w):
         if time >= window:
             most, least = max(now, tally[(MOST + c) * LANES + w]), min(now, tally[(LOWEST + c) * LANES + w])
             if time - before >= window and (last - earlier) * (now - last) < 0.0:
-                turn = turning_value(earlier, last, now, before, h)
+                bend = curvature(tally, w, c, now, h)
+                turn = last - ((now - last) / h - bend * h) ** 2 / (4.0 * bend)
                 most, least = max(most, turn), min(least, max(turn, 0.0))
             tally[(MOST + c) * LANES + w], tally[(LOWEST + c) * LANES + w] = most, least
             tally[(SUM + c) * LANES + w] += 0.5 * h * (now + last)
@@ -152,12 +154,13 @@ def note_ends(pack, tally, w):
 
 
 @compiled
-def turning_value(earlier, last, now, before, h):
-    """Where the parabola through three values turns, the second of them being the largest or the least."""
-    rise, fall = (last - earlier) / before, (now - last) / h
-    bend = (fall - rise) / (before + h)
-    slope = rise + bend * before
-    return last - slope * slope / (4.0 * bend)
+def curvature(tally, w, c, now, h):
+    """Half the second derivative of the parabola through three values of a tension; 0 in the first step."""
+    before = tally[EARLIER_STEP * LANES + w]
+    if before == 0.0:
+        return 0.0
+    last, earlier = tally[(BEFORE + c) * LANES + w], tally[(EARLIER + c) * LANES + w]
+    return ((now - last) / h - (last - earlier) / before) / (before + h)
 
 
 @compiled
@@ -171,8 +174,9 @@ def note_history(pack, tally, w, records, count):
     while sample < samples and sample * end / (samples - 1) <= time + h * (1.0 + 1e-9):
         share = min((sample * end / (samples - 1) - time) / h, 1.0)
         for c in range(3):
+            bend = share * (share - 1.0) * h * h * curvature(tally, w, c, lane[(ANCHOR_NOW + c) * L + w], h)
             last, now = tally[(BEFORE + c) * L + w], lane[(ANCHOR_NOW + c) * L + w]
-            records.history[scenario, sample, c] = last + share * (now - last)
+            records.history[scenario, sample, c] = max(last + share * (now - last) + bend, 0.0)
         sample += 1
     tally[NEXT_SAMPLE * L + w] = sample
     phase = int(tally[NEXT_PHASE * L + w])
@@ -185,12 +189,16 @@ def note_history(pack, tally, w, records, count):
 
 @compiled
 def note_shape(pack, w, records, scenario, phase, share, count):
-    """Places and tensions at a part of the step."""
+    """Places, by their velocities too, and tensions at a part of the step."""
+    h = pack.method[STEP * LANES + w]
     for j in range(count + 1):
         node = pack.nodes[NODE_ROWS * LANES * j : NODE_ROWS * LANES * (j + 1)]
         for k in range(3):
             last, now = node[(OLD_PLACE + k) * LANES + w], node[(PLACE + k) * LANES + w]
-            records.shapes[scenario, phase, j, k] = last + share * (now - last)
+            leaving = h * node[(OLD_VELOCITY + k) * LANES + w] - (now - last)
+            arriving = h * node[(VELOCITY + k) * LANES + w] - (now - last)
+            bend = share * (1.0 - share) * ((1.0 - share) * leaving - share * arriving)
+            records.shapes[scenario, phase, j, k] = last + share * (now - last) + bend
     for e in range(count):
         element = pack.elements[ELEMENT_ROWS * LANES * e : ELEMENT_ROWS * LANES * (e + 1)]
         last, now = element[PAST1 * LANES + w], element[NEW * LANES + w]
