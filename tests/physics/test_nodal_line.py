@@ -17,7 +17,7 @@ from cablesim.physics.nodal_line import (
     POWER,
     RIGHT,
     STRAIN,
-    TENSION,
+    UNBOUND,
     assemble,
     solve_inner,
 )
@@ -125,7 +125,9 @@ def expected_forces(nodes: Array, fluid: Array, given: Line) -> Array:
     length = norm(d)[..., None]
     t, strain = d / length, length / p["piece"] - 1.0
     rate = (t * np.diff(v, axis=1)).sum(axis=2)[..., None] / p["piece"]
-    pull = p["linear"] * strain + p["quadratic"] * strain**2 + p["damping"] * rate
+    elastic = p["linear"] * strain + p["quadratic"] * strain**2
+    # Damping pulls no more than elasticity.
+    pull = elastic + np.minimum(p["damping"] * rate, elastic)
     pull = np.where(strain > 0.0, np.maximum(pull, 0.0), 0.0) * t
     u = fluid[..., :3] - 0.5 * (v[:, 1:] + v[:, :-1])
     ut = (u * t).sum(axis=2)[..., None] * t
@@ -162,17 +164,19 @@ def test_forces_are_those_of_the_model(mass, damping):
     assert np.allclose(found, expected, rtol=0.0, atol=100.0 * EPS * np.abs(expected).max())
 
 
-def test_tension_is_exactly_zero_where_an_element_is_not_longer_than_unstretched_and_never_below():
+def test_an_element_that_is_not_longer_than_unstretched_pulls_with_exactly_nothing_and_none_pushes():
     nodes, fluid = motion(LANES)
-    found = assembled(nodes, fluid, line(LANES, damping=9e3))
+    nodes[..., 6:] = 0.0
+    given = line(LANES, damping=9e3, weight=0.0, normal_drag=0.0, tangent_drag=0.0)
+    found = assembled(nodes, 0.0 * fluid, given)
+    pull = norm(forces(found)[:, :, 0])
+    inwards = (forces(found)[:, :, 0] * np.diff(nodes[..., :3], axis=1)).sum(axis=2)
     slack = found[..., STRAIN] <= 0.0
     assert slack.any() and not slack.all()
-    assert (found[slack][:, TENSION] == 0.0).all()
-    assert (found[..., TENSION] >= 0.0).all()
-    # Damping takes the tension of some taut ones to zero.
-    assert (found[~slack][:, TENSION] == 0.0).any()
-    still = assembled(nodes, fluid, line(LANES))
-    assert (still[~slack][:, TENSION] > 0.0).all()
+    assert (pull[slack] == 0.0).all() and (found[slack][:, UNBOUND] <= 0.0).all()
+    # Damping takes the tension of some elements to zero that are longer.
+    assert (inwards >= 0.0).all() and (pull[~slack] == 0.0).any()
+    assert np.array_equal(pull > 0.0, found[..., UNBOUND] > 0.0)
 
 
 # ---- derivatives ----
@@ -222,6 +226,22 @@ def test_blocks_have_the_derivative_of_drag_and_damping_by_velocity(mass):
     slope = -differences(nodes, fluid, given, rows=3, step=1e-4)
     # Quadratic drag of flows of 1 m/s; the third derivative of its normal part grows as the inverse flow across.
     assert np.allclose(found, slope, rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("rate", [-0.3, 0.02, 0.5])
+def test_blocks_have_the_derivative_of_damped_tension_along_a_straight_line(rate):
+    """Where damping slackens the line a little, where it pulls as it wants, and as much as elasticity does."""
+    nodes = np.zeros((1, COUNT + 1, 9))
+    nodes[0, :, 0], nodes[0, :, 3] = 2.05 * np.arange(COUNT + 1), rate * np.arange(COUNT + 1)
+    still, by_v = np.zeros((1, COUNT, 6)), 7.0
+    given = line(1, damping=900.0, normal_drag=0.0, tangent_drag=0.0)
+    found = blocks(assembled(nodes, still, given, by_v=by_v))[..., 0, :, 0]
+    slope = differences(nodes, still, given, rows=0, step=1e-6) + by_v * differences(nodes, still, given, 3, step=1e-6)
+    # Stiffnesses of 1e4 N/m; rounding of forces of 250 N over 1e-6 m.
+    assert found == pytest.approx(-slope[..., 0, :, 0], abs=1e-4)
+    unbound = assembled(nodes, still, given)[..., UNBOUND]
+    elastic = (1e4 + 3e3 * 0.025) * 0.025
+    assert unbound == pytest.approx(elastic + min(900.0 * rate / 2.0, elastic), rel=1e-12)
 
 
 @EACH_MASS

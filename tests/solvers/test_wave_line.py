@@ -548,9 +548,11 @@ def test_outputs_agree_with_each_other(line, count):
         assert found[f"min_{place}_tension"] <= found[f"mean_{place}_tension"] <= found[f"max_{place}_tension"]
         assert tension[0] == pytest.approx(found[f"static_{place}_tension"], rel=FLOAT32)
         most = found[f"max_{place}_tension"]
-        # A history is a straight line between steps and samples are 1/500 of a period apart.
-        assert 0.97 * most < tension[window].max() < most * (1.0 + FLOAT32)
-        assert tension[window].min() > found[f"min_{place}_tension"] - FLOAT32 * most
+        # The parabolas of a history and of the extremes are not through the same points; their difference is an error
+        # of the tolerance's size, 1e-3. Between samples, 1/500 of a period apart, ringing has peaks.
+        assert 0.97 * most < tension[window].max() < 1.001 * most
+        assert tension[window].min() > found[f"min_{place}_tension"] - 0.001 * most
+        assert tension.min() >= 0.0
         # The trapezoidal rule over steps, and over samples.
         assert tension[window][:-1].mean() == pytest.approx(found[f"mean_{place}_tension"], rel=0.01)
     snapshots, profile = found["snapshots"].astype(float), found["profile"]
