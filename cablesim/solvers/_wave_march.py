@@ -15,6 +15,7 @@ from cablesim.numerics.lanes import LANES
 from cablesim.numerics.threads import thread_count
 from cablesim.physics.nodal_line import ACCELERATION, ELEMENT_ROWS, NODE_ROWS, PLACE, VELOCITY
 from cablesim.physics.waves import FLUID_SIZE, START, STREAM_X, STREAM_Y
+from cablesim.solvers._wave_newton import iterate
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
     CONVERGED,
@@ -65,7 +66,7 @@ from cablesim.solvers._wave_record import (
     note_ends,
     note_history,
 )
-from cablesim.solvers._wave_step import RHO_TAUT, iterate, judge, move_ends, predict, set_method
+from cablesim.solvers._wave_step import RHO_TAUT, judge, move_ends, predict, set_method
 
 # Error of a step in tolerances that is let pass, and how the next step follows from it.
 LET_PASS = 3.0
