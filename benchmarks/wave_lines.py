@@ -147,28 +147,24 @@ def _errors(found: Extremes, exact: Extremes, name: str) -> tuple[str, str]:
 
 def first_call_table(repeats: int) -> str:
     """What the first call in a fresh process costs, with an empty cache of compiled kernels and with a filled one."""
-    one = moved(NEAR[1], NEAR[2])
-    rows = []
-    for options in [{"integrator": name} for name in METHODS]:
-        arguments = ("wave_line", one, {"segments": SEGMENTS, **options})
-        with tempfile.TemporaryDirectory() as cache:
-            cold = first_call(*arguments, cache)
-            warm = [first_call(*arguments, cache) for _ in range(repeats)]
-        imported, called, again = (statistics.median(times) for times in zip(*warm, strict=True))
-        rows.append(
-            (options["integrator"], f"{imported:.3g}", f"{cold[1]:.3g}", f"{called:.3g}", f"{again / MILLI:.3g}")
-        )
+    arguments = ("wave_line", moved(NEAR[1], NEAR[2]), {"segments": SEGMENTS})
+    with tempfile.TemporaryDirectory() as cache:
+        cold = first_call(*arguments, cache)
+        warm = [first_call(*arguments, cache) for _ in range(repeats)]
+    imported, called, again = (statistics.median(times) for times in zip(*warm, strict=True))
+    row = ("wave_line", f"{imported:.3g}", f"{cold[1]:.3g}", f"{called:.3g}", f"{again / MILLI:.3g}")
     head = ("", "import of cablesim.batch s", "first call, compiling s", "first call, loading s", "second call ms")
-    return markdown(head, rows)
+    return markdown(head, [row])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=3)
     given = parser.parse_args()
     print(machine("numpy", "numba", "scipy"), f"revision {revision()}, {given.repeats} repeats in turns", sep="; ")
     print(f"\nDuration {LINE['duration']:g} s, {SEGMENTS} elements, rtol 1e-3 where none is said.\n")
-    print(batch_table(given.repeats), integrator_table(given.repeats), first_call_table(given.repeats), sep="\n\n")
+    for table in (batch_table, integrator_table, first_call_table):
+        print(table(given.repeats), end="\n\n", flush=True)
 
 
 if __name__ == "__main__":

@@ -166,7 +166,7 @@ def _errors(found: Extremes, exact: Extremes, stiffness: float) -> tuple[float, 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=3)
     given = parser.parse_args()
     packages = ("numpy", "numba", *(("moordyn",) if moordyn else ()))
     print(machine(*packages), f"revision {revision()}, {given.repeats} repeats in turns", sep="; ", end="\n\n")
