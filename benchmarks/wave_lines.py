@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from measure import Costs, interleaved, machine, markdown, revision
 from stream_lines import first_call
-from wave_moordyn import CONVERGED, LINE, Extremes, Line, largest_step, line
+from wave_moordyn import CONVERGED, LINE, SNAPPING, Case, Extremes, Line, largest_step
 from wave_peers import SPREAD, TOGETHER, our_extremes, solving
 
 from cablesim.solvers.wave_line import METHODS
@@ -29,18 +29,20 @@ Options = dict[str, Any]
 MILLI = 1e-3
 SEGMENTS = 50
 THREADS = (1, 2)
-NEAR = ("nearly slack", 1e7, 1.57)
-SNAPPING = ("jerked taut", 1e8, 1.57)
-STATES = (("taut, EA 1e7 N", 1e7, 0.3), ("taut, EA 1e8 N", 1e8, 0.1), NEAR, SNAPPING)
+STATES = (
+    ("taut, EA 1e7 N", 1e7, 0.3),
+    ("taut, EA 1e8 N", SNAPPING, 0.1),
+    ("nearly slack", 1e7, 1.57),
+    ("jerked taut", SNAPPING, 1.57),
+)
 RTOLS = (1e-2, 1e-3, 1e-4)
 EXPLICIT = ("leapfrog", "rk4")
-MULTISTEP = ("gear", "adams")
 # A consistent mass makes the largest frequency larger by the square root of 3.
 CONSISTENT = math.sqrt(3.0)
 
 
 def moved(stiffness: float, amplitude: float) -> Line:
-    return line(stiffness) | {"top_amplitude": amplitude}
+    return Case(stiffness, SEGMENTS).line | {"top_amplitude": amplitude}
 
 
 def many(given: Line) -> Line:
@@ -116,7 +118,7 @@ def choices() -> list[Options]:
 
 
 def exact_options(stiffness: float) -> Options:
-    step = CONVERGED * largest_step(stiffness, SEGMENTS) / CONSISTENT
+    step = CONVERGED * largest_step(Case(stiffness, SEGMENTS)) / CONSISTENT
     return {"integrator": "rk4", "time_step": step}
 
 
@@ -136,7 +138,7 @@ def _words(options: Options) -> str:
 
 
 def _errors(found: Extremes, exact: Extremes, name: str) -> tuple[str, str]:
-    snaps = name == SNAPPING[0]
+    snaps = name == STATES[-1][0]
     peaks = [extremes.averaged if snaps else extremes.highest for extremes in (found, exact)]
     size = exact.highest
     return f"{abs(peaks[0] - peaks[1]) / size:.1e}", f"{abs(found.lowest - exact.lowest) / size:.1e}"
@@ -147,7 +149,7 @@ def _errors(found: Extremes, exact: Extremes, name: str) -> tuple[str, str]:
 
 def first_call_table(repeats: int) -> str:
     """What the first call in a fresh process costs, with an empty cache of compiled kernels and with a filled one."""
-    arguments = ("wave_line", moved(NEAR[1], NEAR[2]), {"segments": SEGMENTS})
+    arguments = ("wave_line", moved(*STATES[2][1:]), {"segments": SEGMENTS})
     with tempfile.TemporaryDirectory() as cache:
         cold = first_call(*arguments, cache)
         warm = [first_call(*arguments, cache) for _ in range(repeats)]

@@ -12,7 +12,8 @@ comes to, but slowly), and its end forces get the inertia of the half element th
 place to place at constant velocity during each of its steps.
 
 With EA = 1e8 N the line is jerked taut, and what rings then is as short as the elements and undamped. Its share of a
-peak is a matter of the step, not of the physics, so that peaks of the force's mean over 0.1 s are given as well.
+peak is a matter of the step, not of the physics, so that peaks of the force's mean over 0.1 s are given as well, and
+those of the line with internal damping, a two-thousandth of a second of EA.
 """
 
 import argparse
@@ -60,12 +61,12 @@ LINE: Line = {
     "ramp": 11.2,
     "duration": 60.0,
 }
-STIFFNESSES, MESHES = (1e6, 1e7, 1e8), (20, 50, 100)
 RECORDED_PERIODS = 5
 AVERAGED = 0.1
 # MoorDyn's line hangs this far below its surface, clear of its bottom.
 SUNK, BOTTOM = 1000.0, 5000.0
 SCHEME = "RK4"
+SNAPPING = 1e8
 # Largest step of the classical Runge-Kutta method times the largest frequency, and the parts of it that are run: the
 # largest is stable and damps the shortest waves, the smallest is converged where the line does not snap.
 LIMIT, PRACTICAL, CONVERGED = 2.8284, 0.95, 0.2
@@ -73,9 +74,54 @@ LIMIT, PRACTICAL, CONVERGED = 2.8284, 0.95, 0.2
 SOURCE = """\
 # A line whose top is moved in still water, by MoorDyn {version} (RK4), written by benchmarks/wave_moordyn.py, where the
 # line and its motion are described. SI. Tensions are forces on the ends over the last five periods of 60 s, that of the
-# top with the inertia of half an element of lumped mass; averaged: of the mean over 0.1 s. Each line with steps of
-# {practical} and {converged} of the largest stable one; at 1e8 N it snaps, and only the averaged peak is converged.
+# top with the inertia of half an element of lumped mass; averaged: of the mean over 0.1 s. Time steps are
+# {practical} and {converged} of the largest stable one. At 1e8 N it snaps; undamped, only its averaged peak converges.
 """
+
+
+@dataclass(frozen=True)
+class Case:
+    """A line of some stiffness and internal damping, in elements."""
+
+    stiffness: float
+    segments: int
+    damping: float = 0.0
+
+    @property
+    def line(self) -> Line:
+        """Parameters of `wave_line`."""
+        ratio = length_ratio(self.stiffness)
+        return {
+            **LINE,
+            "linear_stiffness": self.stiffness,
+            "internal_damping": self.damping,
+            "length_ratio": ratio,
+        }
+
+    @property
+    def element(self) -> float:
+        """Unstretched length of an element."""
+        return length_ratio(self.stiffness) * chord() / self.segments
+
+    @property
+    def snaps(self) -> bool:
+        return self.stiffness == SNAPPING
+
+    @property
+    def converges(self) -> bool:
+        """Whether peaks themselves have a limit for short steps."""
+        return not self.snaps or self.damping > 0.0
+
+    def __str__(self) -> str:
+        damped = ", damped" if self.damping else ""
+        return f"EA {self.stiffness:.0e} N{damped}, {self.segments} elements".replace("e+0", "e")
+
+
+MESHES = (20, 50, 100)
+CASES = (
+    *(Case(stiffness, segments) for stiffness in (1e6, 1e7, SNAPPING) for segments in MESHES),
+    *(Case(SNAPPING, segments, 5e-4 * SNAPPING) for segments in MESHES),
+)
 
 
 @dataclass(frozen=True)
@@ -95,11 +141,6 @@ class MoorDynRun:
     top: Array
     anchor: Array
     seconds: float
-
-
-def line(stiffness: float) -> Line:
-    """Parameters of `wave_line`."""
-    return {**LINE, "linear_stiffness": stiffness, "length_ratio": length_ratio(stiffness)}
 
 
 @cache
@@ -122,23 +163,22 @@ def weight_per_length() -> float:
     return (LINE["mass_per_length"] - LINE["fluid_density"] * LINE["area"]) * GRAVITY
 
 
-def largest_step(stiffness: float, segments: int) -> float:
-    """At which the classical Runge-Kutta method is just stable on a line of lumped mass."""
-    element = length_ratio(stiffness) * chord() / segments
-    return LIMIT * 0.5 * element * math.sqrt(LINE["mass_per_length"] / stiffness)
+def largest_step(case: Case) -> float:
+    """At which the classical Runge-Kutta method is just stable on a line of lumped mass without damping."""
+    return LIMIT * 0.5 * case.element * math.sqrt(LINE["mass_per_length"] / case.stiffness)
 
 
 # MoorDyn
 
 
-def moordyn_run(stiffness: float, segments: int, part: float, scheme: str = SCHEME) -> MoorDynRun:
+def moordyn_run(case: Case, part: float, scheme: str = SCHEME) -> MoorDynRun:
     """MoorDyn's forces, with steps that are a part of the largest."""
-    steps = math.ceil(LINE["duration"] / (part * largest_step(stiffness, segments)))
+    steps = math.ceil(LINE["duration"] / (part * largest_step(case)))
     time = np.linspace(0.0, LINE["duration"], steps + 1)
     step = float(time[1])
     place = DEPTH + top_motion(time)[0]
     velocity = np.diff(place) / step
-    with _moordyn_system(stiffness, segments, scheme, step) as (system, its_line):
+    with _moordyn_system(case, scheme, step) as (system, its_line):
         top, anchor = [], []
 
         def march() -> None:
@@ -147,7 +187,7 @@ def moordyn_run(stiffness: float, segments: int, part: float, scheme: str = SCHE
                 anchor.append(moordyn.GetLineNodeForce(its_line, 0))
 
         cost = measure(march)
-    inertia = _half_element(stiffness, segments) * top_motion(time[1:])[1]
+    inertia = 0.5 * case.element * top_motion(time[1:])[1]
     return MoorDynRun(time[1:], np.array(top) - inertia[:, None] * _across(), np.array(anchor), cost.cpu)
 
 
@@ -163,10 +203,6 @@ def top_motion(time: Array) -> tuple[Array, Array]:
     return LINE["top_amplitude"] * rise * sine, LINE["top_amplitude"] * acceleration
 
 
-def _half_element(stiffness: float, segments: int) -> float:
-    return 0.5 * length_ratio(stiffness) * chord() / segments
-
-
 def _across() -> Array:
     """Inertia per length of a horizontal acceleration of the last element, which is taken to lie along the chord."""
     mass, added = LINE["mass_per_length"], LINE["added_mass_per_length"]
@@ -174,12 +210,12 @@ def _across() -> Array:
 
 
 @contextlib.contextmanager
-def _moordyn_system(stiffness: float, segments: int, scheme: str, step: float) -> Iterator[tuple[object, object]]:
+def _moordyn_system(case: Case, scheme: str, step: float) -> Iterator[tuple[object, object]]:
     """A system that is at rest, and its line."""
     with tempfile.TemporaryDirectory() as folder, silence():
         path = Path(folder) / "line.txt"
-        path.write_text(_moordyn_input(stiffness, segments, scheme, step), encoding="utf-8")
-        path.with_name("state").write_bytes(_moordyn_state(still_line(stiffness, segments)))
+        path.write_text(_moordyn_input(case, scheme, step), encoding="utf-8")
+        path.with_name("state").write_bytes(_moordyn_state(still_line(case)))
         system = moordyn.Create(str(path))
         try:
             moordyn.Init_NoIC(system, [DEPTH, 0.0, -SUNK], [0.0, 0.0, 0.0])
@@ -190,10 +226,10 @@ def _moordyn_system(stiffness: float, segments: int, scheme: str, step: float) -
 
 
 @cache
-def still_line(stiffness: float, segments: int) -> Array:
+def still_line(case: Case) -> Array:
     """Places of the nodes at rest, from the anchor, shape (node, 3); MoorDyn's equilibrium is the same."""
-    options = {"segments": segments, "mass": "lumped"}
-    given = line(stiffness) | {"duration": 0.01}
+    options = {"segments": case.segments, "mass": "lumped"}
+    given = case.line | {"duration": 0.01}
     return batch.solve("wave_line", given, options, ("profile",)).outputs["profile"][0]
 
 
@@ -206,8 +242,8 @@ def _moordyn_state(places: Array) -> bytes:
     return b"MoorDyn" + struct.pack("<BBQQ", 2, 7, len(data) // 8 + 1, 3) + data
 
 
-def _moordyn_input(stiffness: float, segments: int, scheme: str, step: float) -> str:
-    """The input file; tangential drag refers to pi times the diameter, no force is exerted by internal damping."""
+def _moordyn_input(case: Case, scheme: str, step: float) -> str:
+    """The input file; tangential drag refers to pi times the diameter."""
     density, area = LINE["fluid_density"], LINE["area"]
     diameter = math.sqrt(4.0 * area / math.pi)
     normal = LINE["normal_drag"] / (0.5 * density * diameter)
@@ -219,7 +255,7 @@ def _moordyn_input(stiffness: float, segments: int, scheme: str, step: float) ->
 ---------------------- LINE TYPES
 TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
 (-) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
-line {diameter} {LINE["mass_per_length"]} {stiffness} 0.0 0.0 {normal} {added} {along} 0.0
+line {diameter} {LINE["mass_per_length"]} {case.stiffness} {case.damping} 0.0 {normal} {added} {along} 0.0
 ---------------------- POINTS
 Node Type X Y Z M V CdA CA
 (-) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
@@ -228,7 +264,7 @@ Node Type X Y Z M V CdA CA
 ---------------------- LINES
 Line LineType NodeA NodeB UnstrLen NumSegs Flags/Outputs
 (-) (-) (-) (-) (m) (-) (-)
-1 line 1 2 {length_ratio(stiffness) * chord()} {segments} -
+1 line 1 2 {case.segments * case.element} {case.segments} -
 ---------------------- OPTIONS
 0 writeLog
 1 disableOutTime
@@ -266,31 +302,42 @@ def extremes(time: Array, tension: Array) -> Extremes:
     return Extremes(kept.max(), kept.min(), np.max(sums[length:] - sums[:-length]) / length)
 
 
-def moordyn_extremes(stiffness: float, segments: int, part: float) -> Extremes:
-    run = moordyn_run(stiffness, segments, part)
+def moordyn_extremes(case: Case, part: float) -> Extremes:
+    run = moordyn_run(case, part)
     return extremes(run.time, np.linalg.norm(run.top, axis=1))
 
 
 def write_moordyn(path: Path) -> None:
-    """MoorDyn's extremes on all meshes, a row for each of two steps."""
-    head = ("linear_stiffness", "segments", "length_ratio", "time_step", "max_top_tension", "averaged_max_top_tension")
+    """MoorDyn's extremes on all meshes, with two steps where both are stable."""
+    columns = (
+        "linear_stiffness",
+        "internal_damping",
+        "segments",
+        "length_ratio",
+        "time_step",
+        "max_top_tension",
+        "averaged_max_top_tension",
+        "min_top_tension",
+        "max_anchor_tension",
+        "min_anchor_tension",
+        "processor_seconds",
+    )
     with path.open("w", encoding="utf-8", newline="") as file:
         file.write(SOURCE.format(version=version("moordyn"), practical=PRACTICAL, converged=CONVERGED))
         table = csv.writer(file, lineterminator="\n")
-        table.writerow((*head, "min_top_tension", "max_anchor_tension", "min_anchor_tension", "processor_seconds"))
-        for stiffness in STIFFNESSES:
-            for segments in MESHES:
-                for part in (PRACTICAL, CONVERGED):
-                    table.writerow(_written(stiffness, segments, moordyn_run(stiffness, segments, part)))
-                    file.flush()
+        table.writerow(columns)
+        for case in CASES:
+            for part in (CONVERGED,) if case.damping else (PRACTICAL, CONVERGED):
+                table.writerow(_written(case, moordyn_run(case, part)))
+                file.flush()
 
 
-def _written(stiffness: float, segments: int, run: MoorDynRun) -> list[str]:
+def _written(case: Case, run: MoorDynRun) -> list[str]:
     top = extremes(run.time, np.linalg.norm(run.top, axis=1))
     anchor = extremes(run.time, np.linalg.norm(run.anchor, axis=1))
     values = (top.highest, top.averaged, top.lowest, anchor.highest, anchor.lowest)
-    first = (f"{stiffness:g}", str(segments), f"{length_ratio(stiffness):.12g}", f"{run.time[0]:.6g}")
-    return [*first, *(f"{value:.8g}" for value in values), f"{run.seconds:.3g}"]
+    line = (f"{case.stiffness:g}", f"{case.damping:g}", str(case.segments), f"{length_ratio(case.stiffness):.12g}")
+    return [*line, f"{run.time[0]:.6g}", *(f"{value:.8g}" for value in values), f"{run.seconds:.3g}"]
 
 
 def main() -> None:

@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 from measure import Costs, interleaved, machine, markdown, measure, revision
 from wave_moordyn import (
+    CASES,
     CONVERGED,
     LINE,
-    MESHES,
     PRACTICAL,
     SCHEME,
-    STIFFNESSES,
+    SNAPPING,
     TOP_TENSION,
+    Case,
     Extremes,
     Line,
     extremes,
-    line,
     moordyn,
     moordyn_extremes,
     moordyn_run,
@@ -33,9 +33,8 @@ from cablesim import batch
 from cablesim.numerics import Array
 from cablesim.solver import load_solver
 
-SNAPPING = 1e8
 # What is timed: nearly slack, and jerked taut.
-TIMED = ((1e7, 100), (1e8, 100))
+TIMED = (Case(1e7, 100), Case(SNAPPING, 100))
 MASSES = ("consistent", "lumped")
 PERMITTED_ERROR = 5e-3
 RTOLS = (3e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
@@ -69,16 +68,18 @@ def our_extremes(given: Line, options: dict[str, Any]) -> Extremes:
     return Extremes(found["max_top_tension"][0], found["min_top_tension"][0], averaged)
 
 
-def compared_table(runs: dict[tuple[float, int], Extremes]) -> str:
+def compared_table() -> str:
     """Peaks and minima of MoorDyn and of ours on the same meshes."""
     rows = []
-    for (stiffness, segments), theirs in runs.items():
+    for case in CASES:
+        theirs = moordyn_extremes(case, CONVERGED if case.converges else PRACTICAL)
         for mass in MASSES:
-            ours = our_extremes(line(stiffness), {"segments": segments, "mass": mass})
+            ours = our_extremes(case.line, {"segments": case.segments, "mass": mass})
+            tensions = (theirs.highest, ours.highest, theirs.averaged, ours.averaged)
             rows.append(
                 (
-                    f"EA {stiffness:g} N, {segments} elements, {mass}",
-                    *(f"{value / 1e3:.3f}" for value in (theirs.highest, ours.highest, theirs.averaged, ours.averaged)),
+                    f"{case}, {mass}",
+                    *(f"{value / 1e3:.3f}" for value in tensions),
                     f"{ours.highest / theirs.highest - 1.0:+.2%}",
                     f"{ours.averaged / theirs.averaged - 1.0:+.2%}",
                     f"{(ours.lowest - theirs.lowest) / TOP_TENSION:+.2%}",
@@ -91,17 +92,16 @@ def compared_table(runs: dict[tuple[float, int], Extremes]) -> str:
 def timed_table(repeats: int) -> str:
     """Processor time at one accuracy: MoorDyn's largest stable step, ours alone and in batches with either mass."""
     rows = []
-    for stiffness, segments in TIMED:
-        ways = [way for mass in MASSES for way in _ways(stiffness, {"segments": segments, "mass": mass})]
+    for case in TIMED:
+        ways = [way for mass in MASSES for way in _ways(case, {"segments": case.segments, "mass": mass})]
         theirs: list[float] = []
         actions: dict[str, Callable[[], object]] = {way.name: way.solve for way in ways}
         if moordyn:
-            actions[SCHEME] = partial(_note_moordyn, theirs, stiffness, segments)
+            actions[SCHEME] = partial(_note_moordyn, theirs, case)
         costs = interleaved(actions, repeats)
-        name = f"EA {stiffness:g} N, {segments} elements"
         if theirs:
-            rows.append((f"{name}: MoorDyn, {SCHEME}", *_moordyn_cells(stiffness, segments, theirs), "1"))
-        rows += [(f"{name}: {way.name}", *_cells(way, costs[way.name], theirs)) for way in ways]
+            rows.append((f"{case}: MoorDyn, {SCHEME}", *_moordyn_cells(case, theirs), "1"))
+        rows += [(f"{case}: {way.name}", *_cells(way, costs[way.name], theirs)) for way in ways]
     head = ("", "ms per line: median (min .. max)", "processor ms", "peak's error", "minimum's error", "times faster")
     return markdown(head, rows)
 
@@ -116,11 +116,11 @@ class Way:
     errors: tuple[float, float]
 
 
-def _ways(stiffness: float, mesh: dict[str, Any]) -> list[Way]:
+def _ways(case: Case, mesh: dict[str, Any]) -> list[Way]:
     """Alone and together, with the tolerance that is fastest of those that are accurate."""
-    given = line(stiffness)
+    given = case.line
     exact = our_extremes(given, {**mesh, **EXACT})
-    found = {rtol: _errors(our_extremes(given, {**mesh, "rtol": rtol}), exact, stiffness) for rtol in RTOLS}
+    found = {rtol: _errors(our_extremes(given, {**mesh, "rtol": rtol}), exact, case) for rtol in RTOLS}
     accurate = [rtol for rtol in RTOLS if max(found[rtol]) <= PERMITTED_ERROR] or RTOLS[-1:]
     alone = {rtol: solving(given, {**mesh, "rtol": rtol}) for rtol in accurate}
     rtol = min(accurate, key=lambda rtol: min(measure(alone[rtol]).cpu for _ in range(3)))
@@ -137,14 +137,14 @@ def amplitudes() -> Array:
     return np.linspace(1.0 - SPREAD, 1.0 + SPREAD, TOGETHER) * LINE["top_amplitude"]
 
 
-def _note_moordyn(seconds: list[float], stiffness: float, segments: int) -> None:
-    seconds.append(moordyn_run(stiffness, segments, PRACTICAL).seconds)
+def _note_moordyn(seconds: list[float], case: Case) -> None:
+    seconds.append(moordyn_run(case, PRACTICAL).seconds)
 
 
-def _moordyn_cells(stiffness: float, segments: int, seconds: list[float]) -> tuple[str, ...]:
-    found, exact = (moordyn_extremes(stiffness, segments, part) for part in (PRACTICAL, CONVERGED))
+def _moordyn_cells(case: Case, seconds: list[float]) -> tuple[str, ...]:
+    found, exact = (moordyn_extremes(case, part) for part in (PRACTICAL, CONVERGED))
     low, middle, high = (f"{value / MILLI:.3g}" for value in (min(seconds), np.median(seconds), max(seconds)))
-    return f"{middle} ({low} .. {high})", middle, *_percent(_errors(found, exact, stiffness))
+    return f"{middle} ({low} .. {high})", middle, *_percent(_errors(found, exact, case))
 
 
 def _cells(way: Way, cost: Costs, theirs: list[float]) -> tuple[str, ...]:
@@ -157,9 +157,9 @@ def _percent(pair: tuple[float, float]) -> tuple[str, str]:
     return f"{pair[0]:.2%}", f"{pair[1]:.2%}"
 
 
-def _errors(found: Extremes, exact: Extremes, stiffness: float) -> tuple[float, float]:
+def _errors(found: Extremes, exact: Extremes, case: Case) -> tuple[float, float]:
     """Of peak and minimum, each to itself; of a line that snaps, of the averaged peak, and the minimum to the rest."""
-    if stiffness == SNAPPING:
+    if not case.converges:
         return abs(found.averaged / exact.averaged - 1.0), abs(found.lowest - exact.lowest) / TOP_TENSION
     return abs(found.highest / exact.highest - 1.0), abs(found.lowest / exact.lowest - 1.0)
 
@@ -171,14 +171,7 @@ def main() -> None:
     packages = ("numpy", "numba", *(("moordyn",) if moordyn else ()))
     print(machine(*packages), f"revision {revision()}, {given.repeats} repeats in turns", sep="; ", end="\n\n")
     if moordyn:
-        runs = {
-            (stiffness, segments): moordyn_extremes(
-                stiffness, segments, PRACTICAL if stiffness == SNAPPING else CONVERGED
-            )
-            for stiffness in STIFFNESSES
-            for segments in MESHES
-        }
-        print(compared_table(runs), end="\n\n")
+        print(compared_table(), end="\n\n", flush=True)
     else:
         print("MoorDyn is not installed here, so it was left out (`pip install moordyn`).", end="\n\n")
     print(timed_table(given.repeats))
