@@ -1,6 +1,6 @@
 """Random lines in waves over the whole box of `stiff_extremes`: how many are solved, how long they take, what is wrong.
 
-    python -m benchmarks.wave_check [--lines 2000] [--seed 1] [--finer 0.2] [--limit 120] [--write FILE]
+    python -m benchmarks.wave_check [--lines 2000] [--seed 1] [--part 0/1] [--finer 0.1] [--limit 120] [--write FILE]
 
 Every scenario is solved alone, in a process that is killed after so many seconds of CPU time. Judges are the balance of
 energy and, for a part of the scenarios, the same run at a tenth of the tolerance.
@@ -10,6 +10,7 @@ import argparse
 import csv
 import multiprocessing
 import signal
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from time import process_time
@@ -18,10 +19,15 @@ from typing import Any
 import numpy as np
 
 from cablesim.batch import solve
+from cablesim.physics.waves import m18_amplitude
 from cablesim.status import Status
 from tests.wave_check import random_scenarios, scenario
 
 RTOL = 1e-3
+# Part of the energy turned over, or of the largest peak, from which on a scenario is named.
+FLAGGED = 0.05
+# Length over chord, and largest strain, of lines that are said to hang and to be stiff.
+HANGS, STIFF = 1.03, 1e-4
 PEAKS = ("max_top_tension", "max_middle_tension", "max_anchor_tension")
 OUTPUTS = (
     *PEAKS,
@@ -41,26 +47,30 @@ Row = dict[str, Any]
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--lines", type=int, default=2000)
-    options.add_argument("--first", type=int, default=0, help="scenario to begin with")
-    options.add_argument("--seed", type=int, default=1)
-    options.add_argument("--finer", type=float, default=0.2, help="share of the scenarios that are solved twice")
-    options.add_argument("--limit", type=float, default=120.0, help="CPU seconds after which a run is given up")
-    options.add_argument("--write", type=Path, default=Path("wave_check.csv"))
-    given = options.parse_args()
+    words = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    words.add_argument("--lines", type=int, default=2000)
+    words.add_argument("--part", default="0/1", help="which of how many parts of them")
+    words.add_argument("--seed", type=int, default=1)
+    words.add_argument("--finer", type=float, default=0.1, help="share of the scenarios that are solved twice")
+    words.add_argument("--limit", type=float, default=120.0, help="CPU seconds after which a run is given up")
+    words.add_argument("--write", type=Path, default=Path("wave_check.csv"))
+    given = words.parse_args()
     every = round(1.0 / given.finer) if given.finer > 0.0 else given.lines + 1
+    part, parts = (int(word) for word in given.part.split("/"))
     tasks = []
-    for i in range(given.first, given.lines):
+    for i in range(part, given.lines, parts):
         tasks += [(i, RTOL)] + ([(i, 0.1 * RTOL)] if i % every == 0 else [])
     line, options = random_scenarios(given.lines, given.seed)
     names = ["i", "rtol", "status", "seconds", *OUTPUTS, *options, *line]
+    found = []
     with given.write.open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, names)
         table.writeheader()
         for row in run(tasks, line, options, given.limit):
             table.writerow(row)
             file.flush()
+            found.append(row)
+    report(found)
 
 
 def run(tasks: list[tuple[int, float]], line: Row, options: Row, limit: float) -> Iterator[Row]:
@@ -104,6 +114,64 @@ def solve_one(line: Row, options: Row, i: int, rtol: float, **more: Any) -> Row:
     seconds = process_time() - start
     about = {"status": Status(found.status[0]).name, "seconds": seconds}
     return about | {name: np.asarray(value).item() for name, value in found.outputs.items()}
+
+
+def report(found: list[Row]) -> None:
+    main, finer = ({row["i"]: row for row in found if (row["rtol"] == RTOL) is wanted} for wanted in (True, False))
+    both = [i for i in finer if main[i]["status"] == finer[i]["status"] == "ok"]
+    solved = [row for row in main.values() if row["status"] == "ok"]
+    print("status      ", dict(Counter(row["status"] for row in main.values())))
+    print("energy error", quantiles([row["energy_error"] for row in solved]))
+    print(
+        "peaks       ", quantiles([difference(main[i], finer[i]) for i in both]), f"between tolerances, of {len(both)}"
+    )
+    print("CPU seconds ", quantiles([row["seconds"] for row in main.values()]))
+    for i, row in main.items():
+        if reasons := flags(row, finer.get(i)):
+            print(f"{i:6} {row['seconds']:8.2f} s  {', '.join(reasons)}; {', '.join(nature(row)) or 'ordinary'}")
+
+
+def quantiles(values: list[float]) -> str:
+    shares = (0.5, 0.9, 0.95, 0.99, 1.0)
+    return " ".join(
+        f"{share:.0%}: {value:.1e}" for share, value in zip(shares, np.quantile(values, shares), strict=True)
+    )
+
+
+def difference(row: Row, finer: Row) -> float:
+    """Largest difference of the peaks of two runs, relative to the largest of all."""
+    return max(abs(row[name] - finer[name]) for name in PEAKS) / max(finer[name] for name in PEAKS)
+
+
+def flags(row: Row, finer: Row | None) -> list[str]:
+    """What is to be looked at in a scenario."""
+    if row["status"] != "ok":
+        return [row["status"]]
+    found = [f"energy error {row['energy_error']:.2f}"] if row["energy_error"] > FLAGGED else []
+    if finer and finer["status"] == "ok" and difference(row, finer) > FLAGGED:
+        found.append(f"peaks differ by {difference(row, finer):.2f}")
+    return found
+
+
+def nature(row: Row) -> list[str]:
+    """What makes a scenario hard."""
+    strain = row.get("max_strain", np.nan)
+    words = {
+        "snaps": row.get("snap_count", 0) > 0,
+        "no drag across": row["normal_drag"] == 0.0,
+        "internal damping": row["internal_damping"] > 1e-3 * row["linear_stiffness"],
+        "hangs": row["length_ratio"] > HANGS,
+        "stiff": strain < STIFF,
+        "softens": row["stiffness_ratio"] < 0.0,
+        "tossed": top_amplitude(row) > 0.2 * row["depth"],
+    }
+    return [word for word, is_so in words.items() if is_so]
+
+
+def top_amplitude(row: Row) -> float:
+    if "top_amplitude" in row:
+        return row["top_amplitude"]
+    return 0.5 * row["wave_height"] if "wave_height" in row else m18_amplitude(row["wave_period"])
 
 
 if __name__ == "__main__":
