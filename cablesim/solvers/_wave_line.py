@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from cablesim.errors import InputError
 from cablesim.numerics import Array
 from cablesim.parameters import Batch, option, parameter
 from cablesim.physics.nodal_line import LINE_ROWS
@@ -20,6 +21,8 @@ from cablesim.physics.waves import (
 from cablesim.solvers._wave_pack import Problem, Records
 from cablesim.solvers._wave_static import StaticLines, static_lines
 
+# Greatest orders of the multistep integrators.
+ORDERS = {"gear": 5, "adams": 12}
 INTEGRATORS = ("generalized_alpha", "leapfrog", "rk4", "gear", "adams")
 # Whole periods at the end that are recorded, and defaults in periods.
 RECORDED_PERIODS, DURATION, RAMP = 5.0, 12.0, 2.0
@@ -214,12 +217,21 @@ class Options:
     integrator: str = option("generalized_alpha", one_of=INTEGRATORS, meaning="method that marches through time")
     rtol: float = option(1e-3, at_least=1e-9, at_most=0.1, meaning="accuracy in time, relative to the largest tension")
     time_step: float = option(0.0, at_least=0.0, meaning="fixed time step in s; 0: as accuracy or stability want it")
+    max_order: int = option(0, at_least=0, at_most=12, meaning="greatest order of gear and adams; 0: 5 and 12")
     mass: str = option("consistent", one_of=tuple(SHARES), meaning="mass matrix of an element")
     added_mass: str = option("normal", one_of=("normal", "isotropic"), meaning="acceleration that added mass resists")
     mesh_check: str = option("no", one_of=("no", "yes"), meaning="whether all is done with half as long elements, too")
     samples: int = option(600, at_least=2, at_most=1_000_000, meaning="points of a history, over the whole duration")
     phases: int = option(16, at_least=1, at_most=1000, meaning="snapshots in the last period")
     most_steps: int = option(1_000_000, at_least=1, meaning="time steps after which a scenario is given up")
+
+    def __post_init__(self) -> None:
+        order = ORDERS.get(self.integrator, 0)
+        if self.max_order > order:
+            limit = f"at most {order}" if order else "an option of gear and adams only"
+            raise InputError(f"max_order is {limit}, not {self.max_order} of {self.integrator}")
+        if order and self.time_step > 0.0:
+            raise InputError(f"{self.integrator} chooses its steps by rtol: it takes no time_step")
 
 
 def empty_records(size: int, segments: int, samples: int, phases: int) -> Records:

@@ -35,7 +35,7 @@ import numpy as np
 
 from cablesim.numerics import Array
 from cablesim.solver import Solution
-from cablesim.solvers import _wave_explicit, _wave_march, _wave_static
+from cablesim.solvers import _wave_explicit, _wave_march, _wave_multistep, _wave_static
 from cablesim.solvers._wave_line import MooredLine as Parameters
 from cablesim.solvers._wave_line import Options, empty_records
 from cablesim.solvers._wave_pack import SOLVED, Marched, Problem, Records
@@ -73,6 +73,8 @@ METHODS = {
     "generalized_alpha": (_wave_march.march_all, 1e-4),
     "leapfrog": (_wave_explicit.leapfrog, 1e-3),
     "rk4": (_wave_explicit.rk4, 4e-3),
+    "gear": (_wave_multistep.gear, 1e-2),
+    "adams": (_wave_multistep.adams, 1e-2),
 }
 FATES = {
     _wave_static.SOLVED: Status.ok,
