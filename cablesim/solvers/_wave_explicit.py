@@ -51,6 +51,7 @@ from cablesim.solvers._wave_pack import (
     NEXT_STEP,
     OLD_ACCELERATION,
     OLD_PLACE,
+    OLD_VELOCITY,
     OUT_OF_STEPS,
     PAST1,
     PERIOD,
@@ -216,6 +217,7 @@ def keep_old(nodes, elements, count, width):
     for k in range(3):
         for w in range(width):
             top[(OLD_PLACE + k) * L + w] = top[(PLACE + k) * L + w]
+            top[(OLD_VELOCITY + k) * L + w] = top[(VELOCITY + k) * L + w]
     for e in range(count):
         own = elements[E * e : E * (e + 1)]
         for w in range(width):

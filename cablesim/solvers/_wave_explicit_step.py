@@ -86,7 +86,7 @@ def leap(nodes, method, last, count, width):
             for w in range(width):
                 h, a, old = method[STEP * L + w], own[ACCELERATION * L + w], own[OLD_ACCELERATION * L + w]
                 x, v = own[PLACE * L + w], own[VELOCITY * L + w] + 0.5 * last[w] * (a - old)
-                own[OLD_PLACE * L + w], own[OLD_ACCELERATION * L + w] = x, a
+                own[OLD_PLACE * L + w], own[OLD_VELOCITY * L + w], own[OLD_ACCELERATION * L + w] = x, v, a
                 own[PLACE * L + w], own[VELOCITY * L + w] = x + h * (v + 0.5 * h * a), v + h * a
 
 

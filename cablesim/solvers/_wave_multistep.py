@@ -43,6 +43,7 @@ from cablesim.solvers._wave_pack import (
     EVALUATIONS,
     GAVE_UP,
     OLD_PLACE,
+    OLD_VELOCITY,
     OUT_OF_STEPS,
     SOLVED,
     STEP,
@@ -187,6 +188,7 @@ def put_state(nodes, state, count):
         node = nodes[NODE_ROWS * LANES * j : NODE_ROWS * LANES * (j + 1)]
         for k in range(3):
             node[(OLD_PLACE + k) * LANES] = node[(PLACE + k) * LANES]
+            node[(OLD_VELOCITY + k) * LANES] = node[(VELOCITY + k) * LANES]
             node[(PLACE + k) * LANES] = state[UNKNOWNS * (j - 1) + k]
             node[(VELOCITY + k) * LANES] = state[UNKNOWNS * (j - 1) + 3 + k]
 

@@ -139,7 +139,7 @@ def note_ends(pack, tally, w):
         last, earlier = tally[(BEFORE + c) * LANES + w], tally[(EARLIER + c) * LANES + w]
         if time >= window:
             most, least = max(now, tally[(MOST + c) * LANES + w]), min(now, tally[(LOWEST + c) * LANES + w])
-            if time - before >= window and (last - earlier) * (now - last) < 0.0:
+            if before > 0.0 and time - before >= window and (last - earlier) * (now - last) < 0.0:
                 bend = curvature(tally, w, c, now, h)
                 turn = last - ((now - last) / h - bend * h) ** 2 / (4.0 * bend)
                 most, least = max(most, turn), min(least, max(turn, 0.0))
