@@ -18,8 +18,8 @@ an ellipse or with the surface. The bottom is not felt between the ends: a slack
     gear, adams         multistep formulas of variable order, steps by `rtol`; `max_order` limits the order
 
 A fixed `time_step` beyond the stable one and energy that does not balance end in `not_converged` with the last four.
-Gear's formulas of an order above 2 are unstable in vibrations along the line that nothing damps, Adams' with long steps:
-ask for `max_order: 2`, and for lumped mass, which makes a narrow band of their matrix.
+Gear's formulas of an order above 2 are unstable in vibrations along the line that nothing damps, Adams' with long
+steps: ask for `max_order: 2`, and for lumped mass, which makes a narrow band of their matrix.
 
 End tensions are the forces on the end points. Tensions are recorded over the last five whole periods.
 
