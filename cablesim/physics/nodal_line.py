@@ -70,7 +70,7 @@ def tension(strain, rate, linear, quadratic, damping, piece, rate_factor):
     """
     law = (linear + quadratic * strain) * strain
     viscous = damping * rate / piece
-    stiffness = (linear + 2.0 * quadratic * strain) / piece
+    stiffness = (linear + 2.0 * quadratic * max(strain, 0.0)) / piece
     is_bound = (viscous > law) & (viscous > 0.0)
     viscous = law if is_bound else viscous
     slope = 2.0 * stiffness if is_bound else stiffness + rate_factor * damping / piece
