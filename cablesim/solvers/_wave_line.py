@@ -129,12 +129,6 @@ class MooredLine(Batch):
         """When the periods that are recorded begin; at once, if the run is not longer than they are."""
         return np.maximum(self.end_time - RECORDED_PERIODS * self.wave_period, 0.0)
 
-    @property
-    def greatest_strain(self) -> Array:
-        """Strain at which a softening law has its greatest tension; infinite of any other law."""
-        softens = self.quadratic < 0.0
-        return np.where(softens, -0.5 * self.linear_stiffness / np.where(softens, self.quadratic, -1.0), np.inf)
-
     def equilibrium(self, segments: int) -> StaticLines:
         return static_lines(
             self.top + self.depth[:, None] * [0.0, 0.0, 1.0],

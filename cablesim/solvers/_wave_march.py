@@ -18,6 +18,8 @@ from cablesim.physics.waves import FLUID_SIZE, START, STREAM_X, STREAM_Y
 from cablesim.solvers._wave_newton import iterate
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
+    BEYOND,
+    BEYOND_LAW,
     CONVERGED,
     END,
     EVALUATIONS,
@@ -38,6 +40,7 @@ from cablesim.solvers._wave_pack import (
     PLACE_SCALE,
     REJECTED,
     RESCALED,
+    RHO,
     SCENARIO,
     SHIFT_TIME,
     SHIFTED,
@@ -66,14 +69,14 @@ from cablesim.solvers._wave_record import (
     note_ends,
     note_history,
 )
-from cablesim.solvers._wave_step import RHO_TAUT, judge, move_ends, predict, set_method
+from cablesim.solvers._wave_step import RHO_SLACK, judge, move_ends, predict, rho_of, set_method
 
 # Error of a step in tolerances that is let pass, and how the next step follows from it.
 LET_PASS = 3.0
-GROWTH, SHRINK, SAFETY, AFTER_FAILURE = 2.0, 0.2, 0.9, 0.25
+GROWTH, SHRINK, SAFETY, AFTER_FAILURE, WORTH_CHANGE = 2.0, 0.2, 0.9, 0.25, 1.6
 FIRST_STEPS_PER_PERIOD, FIRST_AFTER_JERK = 100.0, 1e-3
 # Parts of a period: a step shorter than this is a failure, and a line counts as slack for this long.
-LEAST_STEP, SLACK_FOR = 1e-9, 0.5
+LEAST_STEP, SLACK_FOR = 1e-12, 0.5
 
 
 def march_all(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
@@ -155,7 +158,8 @@ def load(pack, tally, w, scenario, problem, fixed, count):
         step *= FIRST_AFTER_JERK
     pack.lane[NEXT_STEP * LANES + w] = step
     pack.lane[LAST_STEP * LANES + w] = pack.lane[STEP_BEFORE * LANES + w] = step
-    pack.lane[SHIFT_TIME * LANES + w] = step * (RHO_TAUT - 1.0) / (RHO_TAUT + 1.0)
+    rho = pack.lane[RHO * LANES + w] = rho_of(pack, w, problem.starts[scenario])
+    pack.lane[SHIFT_TIME * LANES + w] = step * (rho - 1.0) / (rho + 1.0)
     pack.lane[SLACK_UNTIL * LANES + w] = -1.0
     return 1
 
@@ -178,6 +182,9 @@ def decide(pack, w, rtol, fixed):
         if lane[ACCEPTED * LANES + w] == 0.0 and lane[STEPS * LANES + w] > 0.0:
             factor = min(factor, 1.0)
         lane[ACCEPTED * LANES + w] = 1.0 if error <= 1.0 else 0.0
+        # A change of the step makes vibrations ring that it does not resolve.
+        if error <= 1.0 and factor < WORTH_CHANGE and lane[RHO * LANES + w] == RHO_SLACK:
+            factor = 1.0
         lane[NEXT_STEP * LANES + w] = factor * step
     if lane[ACCEPTED * LANES + w] == 0.0:
         lane[REJECTED * LANES + w] += 1.0
@@ -230,6 +237,8 @@ def fate_of(pack, w, most_steps):
     lane = pack.lane
     if lane[SCENARIO * LANES + w] < 0.0:
         return -1.0
+    if lane[BEYOND * LANES + w] > 0.0:
+        return BEYOND_LAW
     if lane[TIME * LANES + w] >= lane[END * LANES + w]:
         return SOLVED
     if lane[NEXT_STEP * LANES + w] < LEAST_STEP * lane[PERIOD * LANES + w]:

@@ -35,11 +35,13 @@ from cablesim.physics.nodal_line import (
     QUADRATIC,
     VELOCITY,
 )
-from cablesim.solvers._wave_explicit import OWN_ROWS, advance, balanced, evaluate, find_supports, keep_old, load
+from cablesim.solvers._wave_explicit import OWN_ROWS, advance, evaluate, find_supports, keep_old, load
 from cablesim.solvers._wave_forces import FOUND_ROWS
 from cablesim.solvers._wave_line import ORDERS
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
+    BEYOND,
+    BEYOND_LAW,
     EVALUATIONS,
     GAVE_UP,
     OLD_PLACE,
@@ -109,11 +111,13 @@ def march(line: "Line", method: str, order: int, rtol: float, most_steps: int) -
         for step in range(1, most_steps + 1):
             state = solver.integrate(line.end, step=True)
             if not solver.successful() or not np.isfinite(state).all():
-                return line.finish(GAVE_UP, step, rtol)
+                return line.finish(GAVE_UP, step)
             line.note(solver.t, state, solver.integrate)
+            if line.is_beyond_law:
+                return line.finish(BEYOND_LAW, step)
             if line.time >= line.end:
-                return line.finish(SOLVED, step, rtol)
-    return line.finish(OUT_OF_STEPS, most_steps, rtol)
+                return line.finish(SOLVED, step)
+    return line.finish(OUT_OF_STEPS, most_steps)
 
 
 class Line:
@@ -130,6 +134,10 @@ class Line:
         for pack in (self.pack, self.noted):
             load(pack, self.tally, self.own, 0, scenario, problem, self.count)
         self.time = 0.0
+
+    @property
+    def is_beyond_law(self) -> bool:
+        return bool(self.noted.lane[BEYOND * LANES] > 0.0)
 
     def state(self) -> Array:
         """Places and velocities of the inner nodes at rest."""
@@ -173,13 +181,9 @@ class Line:
                 )
                 self.time = when
 
-    def finish(self, fate: float, steps: int, rtol: float) -> tuple[float, float, float]:
+    def finish(self, fate: float, steps: int) -> tuple[float, float, float]:
         finish_tally(self.noted, self.tally, 0, self.records, self.count)
-        return (
-            balanced(fate, self.records.line[self.scenario, 3], rtol),
-            float(steps),
-            self.pack.lane[EVALUATIONS * LANES],
-        )
+        return fate, float(steps), self.pack.lane[EVALUATIONS * LANES]
 
 
 @compiled

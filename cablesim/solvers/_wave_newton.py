@@ -47,6 +47,7 @@ from cablesim.solvers._wave_pack import (
     PLACE_SCALE,
     POWER_IN,
     POWER_NOW,
+    POWER_TURNED,
     SHIFTED,
     TENSION_SCALE,
     TOP_NOW,
@@ -98,15 +99,18 @@ def measure(nodes, elements, line, method, lane, count, width):
         ends = nodes[R * e : R * (e + 2)]
         own = elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
         for w in range(width):
-            longer = (
-                own[TANGENT * L + w] * (ends[R + CHANGE * L + w] - ends[CHANGE * L + w])
-                + own[(TANGENT + 1) * L + w] * (ends[R + (CHANGE + 1) * L + w] - ends[(CHANGE + 1) * L + w])
-                + own[(TANGENT + 2) * L + w] * (ends[R + (CHANGE + 2) * L + w] - ends[(CHANGE + 2) * L + w])
-            )
+            dx = ends[R + CHANGE * L + w] - ends[CHANGE * L + w]
+            dy = ends[R + (CHANGE + 1) * L + w] - ends[(CHANGE + 1) * L + w]
+            dz = ends[R + (CHANGE + 2) * L + w] - ends[(CHANGE + 2) * L + w]
+            longer = own[TANGENT * L + w] * dx + own[(TANGENT + 1) * L + w] * dy + own[(TANGENT + 2) * L + w] * dz
+            across = dx * dx + dy * dy + dz * dz - longer * longer
             unbound, strain = own[UNBOUND * L + w], own[STRAIN * L + w]
             found = unbound + own[SLOPE * L + w] * longer
             pull, kept = unbound if unbound > 0.0 else 0.0, found if found > 0.0 else 0.0
+            # What the correction stretches the element by at second order, by moving its ends across it.
+            turned = own[SLOPE * L + w] * across / (2.0 * line[PIECE * L + w] * (1.0 + strain)) if found > 0.0 else 0.0
             miss = kept - found if unbound > 0.0 else kept
+            miss = turned if turned > miss else miss
             shift = abs(kept - pull)
             is_active = method[ACTIVE * L + w] > 0.0
             own[NEW * L + w] = kept if is_active else own[NEW * L + w]
@@ -162,17 +166,17 @@ def keep_forces(pack, w, count):
     L, R, E = LANES, NODE_ROWS * LANES, ELEMENT_ROWS * LANES
     first, last = pack.elements[:E], pack.elements[E * (count - 1) : E * count]
     inner, outer, top = pack.nodes[R : 2 * R], pack.nodes[R * (count - 1) : R * count], pack.nodes[R * count :]
-    anchor, pull, power = 0.0, 0.0, pack.lane[POWER_IN * L + w]
+    anchor, pull, given, power = 0.0, 0.0, 0.0, pack.lane[POWER_IN * L + w]
     for k in range(3):
         force = first[(LEFT + k) * L + w] - coupled(first, inner, k, w)
         anchor += force * force
         force = last[(RIGHT + k) * L + w] - coupled(last, outer, k, w)
         pull += force * force
-        power -= force * top[(VELOCITY + k) * L + w]
+        given -= force * top[(VELOCITY + k) * L + w]
     before, after = pack.elements[E * ((count - 1) // 2) :], pack.elements[E * (count // 2) :]
     pack.lane[ANCHOR_NOW * L + w], pack.lane[TOP_NOW * L + w] = math.sqrt(anchor), math.sqrt(pull)
     pack.lane[MIDDLE_NOW * L + w] = 0.5 * (before[NEW * L + w] + after[NEW * L + w])
-    pack.lane[POWER_NOW * L + w] = power
+    pack.lane[POWER_NOW * L + w], pack.lane[POWER_TURNED * L + w] = power + given, abs(power) + abs(given)
 
 
 @compiled

@@ -66,6 +66,7 @@ OLD_SHIFTED = FREE_NODE + 15
     LAST_STEP,
     STEP_BEFORE,
     SHIFT_TIME,  # theta h of the last step
+    RHO,  # of the line while it is taut
     TENSION_SCALE,
     PLACE_SCALE,
     END,
@@ -83,6 +84,7 @@ OLD_SHIFTED = FREE_NODE + 15
     PLACE_ERROR,
     SLACK_NOW,
     ACCEPTED,
+    BEYOND,  # 1 once a softening law has been stretched beyond its greatest tension
     STEPS,
     REJECTED,
     EVALUATIONS,
@@ -90,12 +92,13 @@ OLD_SHIFTED = FREE_NODE + 15
     MIDDLE_NOW,
     TOP_NOW,
     POWER_NOW,
+    POWER_TURNED,  # of the top end and of the rest, each without its sign
     LANE_ROWS,
-) = range(31)
+) = range(34)
 
 
 # How a scenario ends.
-SOLVED, GAVE_UP, OUT_OF_STEPS = 0.0, 1.0, 2.0
+SOLVED, GAVE_UP, OUT_OF_STEPS, BEYOND_LAW, UNBALANCED = 0.0, 1.0, 2.0, 3.0, 4.0
 
 
 class Problem(NamedTuple):

@@ -25,6 +25,7 @@ from cablesim.physics.nodal_line import (
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
     ANCHOR_NOW,
+    BEYOND,
     END,
     LARGEST,
     LARGEST_STRAIN,
@@ -37,6 +38,7 @@ from cablesim.solvers._wave_pack import (
     PERIOD,
     PLACE_SCALE,
     POWER_NOW,
+    POWER_TURNED,
     SCENARIO,
     SLACK_TIME,
     SNAPS,
@@ -52,14 +54,16 @@ BEFORE, EARLIER, MOST, LOWEST, SUM = 0, 3, 6, 9, 12
 (
     POWER_BEFORE,
     WORK,
-    TURNOVER,  # integral of the power without its sign
+    TURNED_BEFORE,
+    TURNOVER,  # integral of that
     ENERGY,
     NEXT_SAMPLE,
     NEXT_PHASE,
     EARLIER_STEP,
     SNAP_TENSION,
+    GREATEST_STRAIN,  # at which a softening law has its greatest tension
     TALLY_ROWS,
-) = range(15, 24)
+) = range(15, 26)
 
 # An element snaps where it is pulled from nothing to this part of the static tension at the top.
 SNAP_SHARE = 0.05
@@ -74,6 +78,9 @@ def begin_tally(pack, tally, w, supports):
         tally[(LOWEST + c) * LANES + w] = np.inf
         tally[(BEFORE + c) * LANES + w] = supports[c]
     tally[SNAP_TENSION * LANES + w] = SNAP_SHARE * supports[2]
+    quadratic = pack.line[QUADRATIC * LANES + w]
+    greatest = -0.5 * pack.line[LINEAR * LANES + w] / quadratic if quadratic < 0.0 else np.inf
+    tally[GREATEST_STRAIN * LANES + w] = greatest
     elements = pack.elements.size // (ELEMENT_ROWS * LANES)
     for e in range(elements):
         pack.elements[(ELEMENT_ROWS * e + LEAST) * LANES + w] = np.inf
@@ -120,6 +127,8 @@ def note_elements(elements, method, lane, tally, count, width):
             own[LEAST * L + w] = pull if is_less else own[LEAST * L + w]
             is_longer = is_accepted & (strain > own[LARGEST_STRAIN * L + w])
             own[LARGEST_STRAIN * L + w] = strain if is_longer else own[LARGEST_STRAIN * L + w]
+            is_beyond = is_accepted & (strain > tally[GREATEST_STRAIN * L + w])
+            lane[BEYOND * L + w] = 1.0 if is_beyond else lane[BEYOND * L + w]
             share = (0.5 if pull <= 0.0 else 0.0) + (0.5 if own[PAST1 * L + w] <= 0.0 else 0.0)
             own[SLACK_TIME * L + w] += share * method[STEP * L + w] if is_noted else 0.0
             is_snap = is_noted & (slack > 0.0) & (pull > tally[SNAP_TENSION * L + w])
@@ -149,8 +158,9 @@ def note_ends(pack, tally, w):
     tally[EARLIER_STEP * LANES + w] = h
     power, last = lane[POWER_NOW * LANES + w], tally[POWER_BEFORE * LANES + w]
     tally[WORK * LANES + w] += 0.5 * h * (power + last)
-    tally[TURNOVER * LANES + w] += 0.5 * h * (abs(power) + abs(last))
-    tally[POWER_BEFORE * LANES + w] = power
+    turned = lane[POWER_TURNED * LANES + w]
+    tally[TURNOVER * LANES + w] += 0.5 * h * (turned + tally[TURNED_BEFORE * LANES + w])
+    tally[POWER_BEFORE * LANES + w], tally[TURNED_BEFORE * LANES + w] = power, turned
 
 
 @compiled

@@ -11,9 +11,21 @@ References: J. Chung, G. Hulbert, J. Appl. Mech. 60 (1993) 371; M. Arnold, O. Br
 185.
 """
 
+import math
+
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.lanes import LANES
-from cablesim.physics.nodal_line import ACCELERATION, ELEMENT_ROWS, NODE_ROWS, PLACE, VELOCITY
+from cablesim.physics.nodal_line import (
+    ACCELERATION,
+    ADDED_TANGENT,
+    ELEMENT_ROWS,
+    LINEAR,
+    MASS,
+    NODE_ROWS,
+    PIECE,
+    PLACE,
+    VELOCITY,
+)
 from cablesim.physics.waves import fluid_at, top_motion
 from cablesim.solvers._wave_pack import (
     ACCELERATION_BY_PLACE,
@@ -44,6 +56,7 @@ from cablesim.solvers._wave_pack import (
     PLACE_NEW,
     PLACE_OLD,
     RESCALED,
+    RHO,
     SCENARIO,
     SHIFT_TIME,
     SHIFTED,
@@ -54,6 +67,7 @@ from cablesim.solvers._wave_pack import (
     STEP_BEFORE,
     TENSION_DEFECT,
     TENSION_ERROR,
+    TENSION_SCALE,
     TIME,
     VELOCITY_BY_PLACE,
     VELOCITY_NEW,
@@ -62,8 +76,12 @@ from cablesim.solvers._wave_pack import (
 )
 
 # rho of a line that is taut, and of one that has been slack within half a period: a snap would ring on for ever in the
-# shortest waves of the mesh.
+# shortest waves of the mesh. A hanging line too stiff for steps to resolve vibrations along it has the second at all
+# times: there the tension only keeps the length, and every change of the step would make it ring. It is such a line
+# where so long a step turns its lowest vibration along by more than 1, and where the sag resists the ends' moving apart
+# so many times less than the elasticity (Irvine's lambda^2).
 RHO_TAUT, RHO_SLACK = 0.7, 0.0
+RESOLVED_STEP, HANGS = 1.0 / 64.0, 1e3
 STEPS_PER_PERIOD = 16.0
 # A step that would leave less than this part of itself to a time that is to be met goes there at once.
 NEARLY = 0.01
@@ -77,7 +95,7 @@ def set_method(pack, w, fixed):
     h = step_to_meet(time, lane[NEXT_STEP * LANES + w], lane[WINDOW * LANES + w], lane[END * LANES + w])
     if fixed == 0.0:
         h = min(h, lane[PERIOD * LANES + w] / STEPS_PER_PERIOD)
-    rho = RHO_SLACK if time < lane[SLACK_UNTIL * LANES + w] else RHO_TAUT
+    rho = RHO_SLACK if time < lane[SLACK_UNTIL * LANES + w] else lane[RHO * LANES + w]
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     theta = alpha_m - alpha_f
     gamma, beta = 0.5 - theta, 0.25 * (1.0 - theta) ** 2
@@ -96,6 +114,21 @@ def set_method(pack, w, fixed):
     m[ACTIVE * LANES + w] = 1.0
     lane[CONVERGED * LANES + w] = 0.0
     lane[CORRECTION * LANES + w] = -1.0
+
+
+@compiled
+def rho_of(pack, w, start):
+    """rho of a line whose nodes are at `start` (node, 3) in equilibrium."""
+    line, count = pack.line, len(start) - 1
+    length, linear = count * line[PIECE * LANES + w], line[LINEAR * LANES + w]
+    chord, sag = start[count] - start[0], 0.0
+    for j in range(1, count):
+        way = start[j] - start[0]
+        sag = max(sag, (way**2).sum() - (way * chord).sum() ** 2 / (chord**2).sum())
+    stiffer = 64.0 * sag / length**2 * linear / pack.lane[TENSION_SCALE * LANES + w]
+    carried = line[MASS * LANES + w] - line[ADDED_TANGENT * LANES + w]
+    turn = math.pi * math.sqrt(linear / carried) / length * RESOLVED_STEP * pack.lane[PERIOD * LANES + w]
+    return RHO_SLACK if (stiffer > HANGS) & (turn > 1.0) else RHO_TAUT
 
 
 @compiled
