@@ -292,6 +292,12 @@ TABLE = (
     Quantity("rhs_evaluations", "n_f", "1", "how often the forces on the line were computed"),
     Quantity("mesh_change", "e_h", "1", "relative change of the largest top tension if all elements are halved"),
     Quantity(
+        "time_change",
+        "e_t",
+        "1",
+        "relative change of the largest top tension if time is marched ten times as accurately",
+    ),
+    Quantity(
         "richardson_top_tension", r"T_{B,h \to 0}", "N", "largest top tension, extrapolated to elements of no length"
     ),
     Quantity(

@@ -1,6 +1,6 @@
 """What a line moored in waves is given: parameters, options, and the packed problem that integrators march."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -215,6 +215,7 @@ class Options:
     mass: str = option("consistent", one_of=tuple(SHARES), meaning="mass matrix of an element")
     added_mass: str = option("normal", one_of=("normal", "isotropic"), meaning="acceleration that added mass resists")
     mesh_check: str = option("no", one_of=("no", "yes"), meaning="whether all is done with half as long elements, too")
+    time_check: str = option("no", one_of=("no", "yes"), meaning="whether all is done ten times as accurately, too")
     samples: int = option(600, at_least=2, at_most=1_000_000, meaning="points of a history, over the whole duration")
     phases: int = option(16, at_least=1, at_most=1000, meaning="snapshots in the last period")
     most_steps: int = option(1_000_000, at_least=1, meaning="time steps after which a scenario is given up")
@@ -226,6 +227,11 @@ class Options:
             raise InputError(f"max_order is {limit}, not {self.max_order} of {self.integrator}")
         if order and self.time_step > 0.0:
             raise InputError(f"{self.integrator} chooses its steps by rtol: it takes no time_step")
+
+    @property
+    def closer(self) -> "Options":
+        """A tenth of the tolerance, half of a fixed step, and steps enough for that."""
+        return replace(self, rtol=0.1 * self.rtol, time_step=0.5 * self.time_step, most_steps=10 * self.most_steps)
 
 
 def empty_records(size: int, segments: int, samples: int, phases: int) -> Records:

@@ -51,7 +51,7 @@ PLACES = ("anchor", "middle", "top")
 TENSIONS = tuple(f"{kind}_{place}_tension" for place in PLACES for kind in ("max", "min", "mean", "static"))
 HISTORIES = ("history", "history_time")
 SHAPES = ("orbit", "snapshots", "snapshot_tension")
-MESH_CHECK = ("mesh_change", "richardson_top_tension")
+MESH_CHECK, TIME_CHECK = ("mesh_change", "richardson_top_tension"), ("time_change",)
 OUTPUTS = (
     *TENSIONS,
     "static_residual",
@@ -63,6 +63,7 @@ OUTPUTS = (
     "rejected_steps",
     "rhs_evaluations",
     *MESH_CHECK,
+    *TIME_CHECK,
     "profile",
     "profile_tension",
     "profile_max_tension",
@@ -95,12 +96,13 @@ def sizes(options: Options) -> dict[str, int]:
 
 
 def answered(options: Options) -> tuple[str, ...]:
-    return OUTPUTS if options.mesh_check == "yes" else tuple(name for name in OUTPUTS if name not in MESH_CHECK)
+    left_out = (() if options.mesh_check == "yes" else MESH_CHECK) + (() if options.time_check == "yes" else TIME_CHECK)
+    return tuple(name for name in OUTPUTS if name not in left_out)
 
 
 def seconds_per_scenario(options: Options) -> float:
-    elements = options.segments * (5 if options.mesh_check == "yes" else 1)
-    return METHODS[options.integrator][1] * elements
+    marches = 1 + 4 * (options.mesh_check == "yes") + 4 * (options.time_check == "yes")
+    return METHODS[options.integrator][1] * options.segments * marches
 
 
 def warm(p: Parameters, options: Options, outputs: tuple[str, ...]) -> None:
@@ -123,6 +125,7 @@ class MovedLine:
     supports: Array
     marched: Marched
     finer_top_tension: Array
+    closer_top_tension: Array
 
     def __getattr__(self, name: str) -> Array:
         kind, _, place = name.removesuffix("_tension").partition("_")
@@ -171,6 +174,10 @@ class MovedLine:
     @property
     def mesh_change(self) -> Array:
         return np.abs(self.finer_top_tension / self.records.ends[:, 2, 0] - 1.0)
+
+    @property
+    def time_change(self) -> Array:
+        return np.abs(self.closer_top_tension / self.records.ends[:, 2, 0] - 1.0)
 
     @property
     def richardson_top_tension(self) -> Array:
@@ -263,12 +270,20 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
     marched = march(p, problem, able, options, samples, phases)
     status[(status == Status.ok) & (marched.fate == BEYOND_LAW)] = Status.out_of_domain
     status[(status == Status.ok) & (marched.fate != SOLVED)] = Status.not_converged
-    finer = np.full(p.size, np.nan)
+    finer = closer = np.full(p.size, np.nan)
     if options.mesh_check == "yes":
         twice = p.equilibrium(2 * options.segments)
         both = able[twice.fate[able] == _wave_static.SOLVED]
-        fine = march(p, p.problem(twice, options), both, options, 0, 0)
-        finer = np.where(fine.fate == SOLVED, fine.records.ends[:, 2, 0], np.nan)
-        status[(status == Status.ok) & np.isnan(finer)] = Status.not_converged
-    line = MovedLine(p, options, still, problem.supports, marched, finer)
+        finer = checked(p, p.problem(twice, options), both, options, status)
+    if options.time_check == "yes":
+        closer = checked(p, problem, able, options.closer, status)
+    line = MovedLine(p, options, still, problem.supports, marched, finer, closer)
     return Solution(status, line)
+
+
+def checked(p: Parameters, problem: Problem, able: np.ndarray, options: Options, status: np.ndarray) -> Array:
+    """Largest tension at the top of lines marched again; the answer of those that cannot be is taken back."""
+    found = march(p, problem, able, options, 0, 0)
+    top = np.where(found.fate == SOLVED, found.records.ends[:, 2, 0], np.nan)
+    status[(status == Status.ok) & np.isnan(top)] = Status.not_converged
+    return top

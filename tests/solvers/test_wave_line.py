@@ -1,5 +1,6 @@
 """Lines in waves: rest, small vibrations, free motion, waves, orders, symmetries, lanes, slackness and fates."""
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +12,7 @@ from cablesim.numerics import Array
 from cablesim.physics.waves import GRAVITY, C, S, Waves
 from cablesim.solver import load_solver
 from cablesim.solvers._wave_line import ORDERS
-from cablesim.solvers._wave_pack import BEYOND_LAW, SOLVED, Problem
+from cablesim.solvers._wave_pack import BEYOND_LAW, OUT_OF_STEPS, SOLVED, Problem
 from cablesim.solvers._wave_step import RHO_TAUT
 from cablesim.solvers.wave_line import METHODS
 from cablesim.status import Status
@@ -394,6 +395,34 @@ def test_the_extrapolated_peak_is_closer_to_that_of_a_fine_mesh():
     assert abs(coarse["richardson_top_tension"] - fine) < 0.2 * error
     # Halving leaves a quarter of the error.
     assert coarse["mesh_change"] == pytest.approx(0.75 * error / fine, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("line", "options", "part"),
+    # Half the step leaves a quarter of the error, a tenth of the tolerance about a fifth.
+    [(SMOOTH, {"time_step": 5.4 / 32}, 0.75), (CASE, {"rtol": 1e-2}, 0.8), (CASE, {"rtol": 1e-3}, 0.8)],
+)
+def test_the_check_of_time_tells_the_error_of_the_steps(line, options, part):
+    wanted = ("max_top_tension", "time_change")
+    found = moved(line, wanted, segments=10, time_check="yes", **options)
+    true = moved(line, wanted[:1], segments=10, rtol=1e-6)["max_top_tension"]
+    error = abs(found["max_top_tension"] / true - 1.0)
+    print(error, found["time_change"])
+    # The error at 1e-3 is 9e-5; the reference is good to 1e-6.
+    assert error > 5e-5
+    assert found["time_change"] == pytest.approx(part * error, rel=0.4)
+
+
+def test_a_line_that_cannot_be_checked_is_no_answer(monkeypatch):
+    march, seconds, bound = METHODS["generalized_alpha"]
+
+    def closer_fails(problem, has_waves, options, records):
+        found = march(problem, has_waves, options, records)
+        return found if options.rtol == 1e-3 else replace(found, fate=0.0 * found.fate + OUT_OF_STEPS)
+
+    monkeypatch.setitem(METHODS, "generalized_alpha", (closer_fails, seconds, bound))
+    found = solve(SOLVER, CASE, {"segments": 5, "time_check": "yes"}, ("max_top_tension", "time_change"))
+    assert found.status == Status.not_converged and np.isnan(found.outputs["max_top_tension"])
 
 
 # ---- symmetries ----
