@@ -141,6 +141,8 @@ def _errors(found: Extremes, exact: Extremes, name: str) -> tuple[str, str]:
     snaps = name == STATES[-1][0]
     peaks = [extremes.averaged if snaps else extremes.highest for extremes in (found, exact)]
     size = exact.highest
+    if np.isnan(found.highest):
+        return "not solved", "not solved"
     return f"{abs(peaks[0] - peaks[1]) / size:.1e}", f"{abs(found.lowest - exact.lowest) / size:.1e}"
 
 

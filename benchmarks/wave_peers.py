@@ -32,6 +32,7 @@ from wave_moordyn import (
 from cablesim import batch
 from cablesim.numerics import Array
 from cablesim.solver import load_solver
+from cablesim.status import Status
 
 # What is timed: nearly slack, and jerked taut.
 TIMED = (Case(1e7, 100), Case(SNAPPING, 100))
@@ -60,10 +61,13 @@ def solving(given: Line, options: dict[str, Any], outputs: tuple[str, ...] = END
 
 
 def our_extremes(given: Line, options: dict[str, Any]) -> Extremes:
-    """Extremes over all steps, and the averaged peak from a dense history; of one line."""
+    """Extremes over all steps, and the averaged peak from a dense history; of one line, NaN if it is not solved."""
     samples = round(SAMPLES_PER_SECOND * LINE["duration"]) + 1
     wanted = (*ENDS, "history", "history_time")
-    found = batch.solve("wave_line", given, {**options, "samples": samples}, wanted).outputs
+    solution = batch.solve("wave_line", given, {**options, "samples": samples}, wanted)
+    if solution.status[0] != Status.ok:
+        return Extremes(np.nan, np.nan, np.nan)
+    found = solution.outputs
     averaged = extremes(found["history_time"][0], found["history"][0, :, 2].astype(float)).averaged
     return Extremes(found["max_top_tension"][0], found["min_top_tension"][0], averaged)
 
