@@ -5,7 +5,6 @@ recorded. A fixed step longer than the longest stable one gives up, and so does 
 """
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ import numpy as np
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.elementary import sine_cosine
 from cablesim.numerics.lanes import LANES
-from cablesim.numerics.threads import thread_count
 from cablesim.physics.nodal_line import (
     ACCELERATION,
     ELEMENT_ROWS,
@@ -38,9 +36,11 @@ from cablesim.solvers._wave_explicit_step import (
     next_stage,
 )
 from cablesim.solvers._wave_forces import FOUND_ROWS, LOOSEST, POWER, accelerate
+from cablesim.solvers._wave_lanes import march_all
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
     ANCHOR_NOW,
+    BEGUN,
     BEYOND,
     BEYOND_LAW,
     END,
@@ -54,6 +54,7 @@ from cablesim.solvers._wave_pack import (
     OLD_PLACE,
     OLD_VELOCITY,
     OUT_OF_STEPS,
+    OUT_OF_TIME,
     PAST1,
     PERIOD,
     PLACE_SCALE,
@@ -102,47 +103,25 @@ OWN_ROWS = REST + 3
 PULL_DEFECT, PLACE_DEFECT = 7, 8
 
 
-def march_all(is_leapfrog: bool, problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
-    """March all scenarios on the threads that there are; neither their number nor the batch changes any result."""
-    size = len(problem.lines)
-    fates = np.zeros((size, 4))
-    threads = max(1, min(thread_count(), size))
-    width = min(LANES, -(-size // threads))
-    limits = np.array([options.rtol, options.time_step, options.most_steps])
-    with ThreadPoolExecutor(threads) as pool:
-        work = [
-            pool.submit(march, problem, has_waves, is_leapfrog, limits, records, fates, first, threads, width)
-            for first in range(threads)
-        ]
-        for part in work:
-            part.result()
-    fate, steps, rejected, evaluations = fates.T
-    return Marched(fate, steps, rejected, evaluations, records)
-
-
 def leapfrog(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
-    return march_all(True, problem, has_waves, options, records)
+    return march_all(march, problem, has_waves, options, records, True)
 
 
 def rk4(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
-    return march_all(False, problem, has_waves, options, records)
+    return march_all(march, problem, has_waves, options, records, False)
 
 
 @compiled
-def march(problem, has_waves, is_leapfrog, limits, records, fates, first, stride, width):
-    """March every `stride`th scenario from `first` on, `width` at a time.
-
-    `limits` are the tolerance, a fixed step (0: by stability and error) and the most steps. Written: `records`, and
-    `fates` (scenario, 4): fate, steps, rejected steps (none), evaluations.
-    """
-    rtol, fixed, most_steps = limits
+def march(problem, has_waves, limits, clock, records, fates, first, stride, width, is_leapfrog):
+    """March every `stride`th scenario from `first` on, `width` at a time: see `march_all`."""
+    rtol, fixed, most_steps, most_seconds = limits
     count = problem.tensions.shape[1]
     pack, tally = make_pack(count), np.zeros(TALLY_ROWS * LANES)
     found, own = np.zeros(FOUND_ROWS * LANES), np.ones(OWN_ROWS * LANES)
     is_lumped = problem.lines[0, OTHER_SHARE] == 0.0
     queue, busy = first, 0
     for w in range(width):
-        busy += load(pack, tally, own, w, queue, problem, count)
+        busy += load(pack, tally, own, w, queue, problem, count, clock[0])
         queue += stride
     while busy:
         for w in range(width):
@@ -167,15 +146,15 @@ def march(problem, has_waves, is_leapfrog, limits, records, fates, first, stride
                 longest = longest_step(pack.lane, own, w, is_leapfrog)
                 wanted = min(SAFETY * longest, own[WANTED * LANES + w])
                 pack.lane[NEXT_STEP * LANES + w] = fixed if fixed > 0.0 else wanted
-                fate = fate_of(pack, found, w, fixed, longest, most_steps)
+                fate = fate_of(pack, found, w, fixed, longest, most_steps, most_seconds, clock[0])
                 if fate >= 0.0:
                     unload(pack, tally, w, is_leapfrog, records, fates, fate, count)
-                    busy += load(pack, tally, own, w, queue, problem, count) - 1
+                    busy += load(pack, tally, own, w, queue, problem, count, clock[0]) - 1
                     queue += stride
 
 
 @compiled
-def load(pack, tally, own, w, scenario, problem, count):
+def load(pack, tally, own, w, scenario, problem, count, now):
     """Give a lane a scenario; 0 where there is none left. Its first step has no length: that finds accelerations."""
     pack.lane[ACCEPTED * LANES + w] = 0.0
     pack.lane[LAST_STEP * LANES + w] = pack.method[STEP * LANES + w] = 0.0
@@ -184,6 +163,7 @@ def load(pack, tally, own, w, scenario, problem, count):
         pack.lane[NEXT_STEP * LANES + w] = 0.0
         return 0
     load_state(pack, w, scenario, problem)
+    pack.lane[BEGUN * LANES + w] = now
     begin_tally(pack, tally, w, problem.supports[scenario])
     for e in range(count):
         for k in range(FLUID_SIZE):
@@ -379,7 +359,7 @@ def find_defects(nodes, elements, line, method, room, count, width):
 
 
 @compiled
-def fate_of(pack, found, w, fixed, longest, most_steps):
+def fate_of(pack, found, w, fixed, longest, most_steps, most_seconds, now):
     """How a lane's scenario has ended; negative where it goes on."""
     lane = pack.lane
     if not (math.isfinite(found[POWER * LANES + w]) and math.isfinite(lane[TOP_NOW * LANES + w])):
@@ -390,6 +370,8 @@ def fate_of(pack, found, w, fixed, longest, most_steps):
         return BEYOND_LAW
     if lane[TIME * LANES + w] >= lane[END * LANES + w]:
         return SOLVED
+    if now - lane[BEGUN * LANES + w] > most_seconds:
+        return OUT_OF_TIME
     return OUT_OF_STEPS if lane[STEPS * LANES + w] >= most_steps else -1.0
 
 

@@ -219,6 +219,7 @@ class Options:
     samples: int = option(600, at_least=2, at_most=1_000_000, meaning="points of a history, over the whole duration")
     phases: int = option(16, at_least=1, at_most=1000, meaning="snapshots in the last period")
     most_steps: int = option(1_000_000, at_least=1, meaning="time steps after which a scenario is given up")
+    most_seconds: float = option(600.0, at_least=0.0, meaning="seconds after which a scenario is given up")
 
     def __post_init__(self) -> None:
         order = ORDERS.get(self.integrator, 0)

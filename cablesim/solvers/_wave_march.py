@@ -5,19 +5,19 @@ the parabola through its last three. A lane that has finished its scenario takes
 lines which snap do not keep the others waiting. No lane sees anything of another.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.lanes import LANES
-from cablesim.numerics.threads import thread_count
 from cablesim.physics.nodal_line import ACCELERATION, ELEMENT_ROWS, NODE_ROWS, PLACE, VELOCITY
 from cablesim.physics.waves import FLUID_SIZE, START, STREAM_X, STREAM_Y
+from cablesim.solvers._wave_lanes import march_all
 from cablesim.solvers._wave_newton import iterate
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
+    BEGUN,
     BEYOND,
     BEYOND_LAW,
     CONVERGED,
@@ -32,6 +32,7 @@ from cablesim.solvers._wave_pack import (
     OLD_SHIFTED,
     OLD_VELOCITY,
     OUT_OF_STEPS,
+    OUT_OF_TIME,
     PAST1,
     PAST2,
     PAST3,
@@ -79,37 +80,19 @@ FIRST_STEPS_PER_PERIOD, FIRST_AFTER_JERK = 100.0, 1e-3
 LEAST_STEP, SLACK_FOR = 1e-12, 0.5
 
 
-def march_all(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
-    """March all scenarios on the threads that there are; neither their number nor the batch changes any result."""
-    size = len(problem.lines)
-    fates = np.zeros((size, 4))
-    threads = max(1, min(thread_count(), size))
-    width = min(LANES, -(-size // threads))
-    limits = np.array([options.rtol, options.time_step, options.most_steps])
-    with ThreadPoolExecutor(threads) as pool:
-        work = [
-            pool.submit(march, problem, has_waves, limits, records, fates, first, threads, width)
-            for first in range(threads)
-        ]
-        for part in work:
-            part.result()
-    fate, steps, rejected, evaluations = fates.T
-    return Marched(fate, steps, rejected, evaluations, records)
+def generalized_alpha(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
+    return march_all(march, problem, has_waves, options, records)
 
 
 @compiled
-def march(problem, has_waves, limits, records, fates, first, stride, width):
-    """March every `stride`th scenario from `first` on, `width` at a time.
-
-    `limits` are the tolerance, a fixed step (0: by error) and the most steps. Written: `records`, and `fates`
-    (scenario, 4): fate, steps, rejected steps, evaluations.
-    """
-    rtol, fixed, most_steps = limits
+def march(problem, has_waves, limits, clock, records, fates, first, stride, width):
+    """March every `stride`th scenario from `first` on, `width` at a time: see `march_all`."""
+    rtol, fixed, most_steps, most_seconds = limits
     count = problem.tensions.shape[1]
     pack, tally = make_pack(count), np.zeros(TALLY_ROWS * LANES)
     queue, busy = first, 0
     for w in range(width):
-        busy += load(pack, tally, w, queue, problem, fixed, count)
+        busy += load(pack, tally, w, queue, problem, fixed, count, clock[0])
         queue += stride
     while busy:
         for w in range(width):
@@ -131,21 +114,22 @@ def march(problem, has_waves, limits, records, fates, first, stride, width):
                 advance(pack, w)
         accept(pack.nodes, pack.elements, pack.lane, count, width)
         for w in range(width):
-            fate = fate_of(pack, w, most_steps)
+            fate = fate_of(pack, w, most_steps, most_seconds, clock[0])
             if fate >= 0.0:
                 unload(pack, tally, w, records, fates, fate, count)
-                busy += load(pack, tally, w, queue, problem, fixed, count) - 1
+                busy += load(pack, tally, w, queue, problem, fixed, count, clock[0]) - 1
                 queue += stride
 
 
 @compiled
-def load(pack, tally, w, scenario, problem, fixed, count):
+def load(pack, tally, w, scenario, problem, fixed, count, now):
     """Give a lane a scenario; 0 where there is none left."""
     if scenario >= len(problem.lines):
         pack.lane[SCENARIO * LANES + w] = -1.0
         pack.lane[ACCEPTED * LANES + w] = 0.0
         return 0
     load_state(pack, w, scenario, problem)
+    pack.lane[BEGUN * LANES + w] = now
     begin_tally(pack, tally, w, problem.supports[scenario])
     for e in range(count):
         for k in range(FLUID_SIZE):
@@ -232,7 +216,7 @@ def accept(nodes, elements, lane, count, width):
 
 
 @compiled
-def fate_of(pack, w, most_steps):
+def fate_of(pack, w, most_steps, most_seconds, now):
     """How a lane's scenario has ended; negative where it goes on, or where there is none."""
     lane = pack.lane
     if lane[SCENARIO * LANES + w] < 0.0:
@@ -243,6 +227,8 @@ def fate_of(pack, w, most_steps):
         return SOLVED
     if lane[NEXT_STEP * LANES + w] < LEAST_STEP * lane[PERIOD * LANES + w]:
         return GAVE_UP
+    if now - lane[BEGUN * LANES + w] > most_seconds:
+        return OUT_OF_TIME
     return OUT_OF_STEPS if lane[STEPS * LANES + w] + lane[REJECTED * LANES + w] >= most_steps else -1.0
 
 

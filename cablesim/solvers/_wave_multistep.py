@@ -15,6 +15,7 @@ Reference: P. Brown, G. Byrne, A. Hindmarsh, SIAM J. Sci. Stat. Comput. 10 (1989
 
 import warnings
 from collections.abc import Callable
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,7 @@ from cablesim.solvers._wave_pack import (
     OLD_PLACE,
     OLD_VELOCITY,
     OUT_OF_STEPS,
+    OUT_OF_TIME,
     SOLVED,
     STEP,
     TIME,
@@ -71,6 +73,8 @@ UNKNOWNS, NEIGHBOURS = 6, {True: 1, False: 18}
 SHARE = 1.0
 # The longest step in parts of a period: at rest, a line does not show what is to come.
 LONGEST = 1.0 / 16.0
+# Steps of one call, which the library counts in 32 bits; a call takes one, or a few to a time in between.
+MOST_AT_ONCE = 2**31 - 1
 
 
 def gear(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
@@ -85,30 +89,31 @@ def march_all(name: str, problem: Problem, has_waves: bool, options: Any, record
     """March the scenarios one after another; the library's steps are not rejected steps of ours (0)."""
     order = options.max_order or ORDERS[name]
     fates = [
-        march(Line(problem, scenario, has_waves, records), NAMES[name], order, options.rtol, options.most_steps)
+        march(Line(problem, scenario, has_waves, records), NAMES[name], order, options)
         for scenario in range(len(problem.lines))
     ]
     fate, steps, evaluations = np.array(fates).reshape(-1, 3).T
     return Marched(fate, steps, np.zeros(len(fate)), evaluations, records)
 
 
-def march(line: "Line", method: str, order: int, rtol: float, most_steps: int) -> tuple[float, float, float]:
+def march(line: "Line", method: str, order: int, options: Any) -> tuple[float, float, float]:
     """Fate, steps and evaluations of one line."""
     solver = ode(line.slope).set_integrator(
         "vode",
         method=method,
         order=order,
         rtol=0.0,
-        atol=line.tolerances(rtol),
-        nsteps=most_steps,
+        atol=line.tolerances(options.rtol),
+        nsteps=min(options.most_steps, MOST_AT_ONCE),
         max_step=LONGEST * line.problem.spans[line.scenario, 2],
         **line.matrix(),
     )
     solver.set_initial_value(line.state(), 0.0)
+    begun = perf_counter()
     with warnings.catch_warnings():
         # What the library warns of is the fate of the scenario.
         warnings.simplefilter("ignore", UserWarning)
-        for step in range(1, most_steps + 1):
+        for step in range(1, options.most_steps + 1):
             state = solver.integrate(line.end, step=True)
             if not solver.successful() or not np.isfinite(state).all():
                 return line.finish(GAVE_UP, step)
@@ -117,7 +122,9 @@ def march(line: "Line", method: str, order: int, rtol: float, most_steps: int) -
                 return line.finish(BEYOND_LAW, step)
             if line.time >= line.end:
                 return line.finish(SOLVED, step)
-    return line.finish(OUT_OF_STEPS, most_steps)
+            if perf_counter() - begun > options.most_seconds:
+                return line.finish(OUT_OF_TIME, step)
+    return line.finish(OUT_OF_STEPS, options.most_steps)
 
 
 class Line:
@@ -132,7 +139,7 @@ class Line:
         self.tally, self.own = np.zeros(TALLY_ROWS * LANES), np.ones(OWN_ROWS * LANES)
         self.found, self.slopes = np.zeros(FOUND_ROWS * LANES), np.zeros(UNKNOWNS * (self.count - 1))
         for pack in (self.pack, self.noted):
-            load(pack, self.tally, self.own, 0, scenario, problem, self.count)
+            load(pack, self.tally, self.own, 0, scenario, problem, self.count, 0.0)
         self.time = 0.0
 
     @property

@@ -84,6 +84,7 @@ OLD_SHIFTED = FREE_NODE + 15
     PLACE_ERROR,
     SLACK_NOW,
     ACCEPTED,
+    BEGUN,  # by the clock
     BEYOND,  # 1 once a softening law has been stretched beyond its greatest tension
     STEPS,
     REJECTED,
@@ -94,11 +95,11 @@ OLD_SHIFTED = FREE_NODE + 15
     POWER_NOW,
     POWER_TURNED,  # of the top end and of the rest, each without its sign
     LANE_ROWS,
-) = range(34)
+) = range(35)
 
 
 # How a scenario ends.
-SOLVED, GAVE_UP, OUT_OF_STEPS, BEYOND_LAW, UNBALANCED = 0.0, 1.0, 2.0, 3.0, 4.0
+SOLVED, GAVE_UP, OUT_OF_STEPS, BEYOND_LAW, UNBALANCED, OUT_OF_TIME = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 
 
 class Problem(NamedTuple):

@@ -707,3 +707,12 @@ def test_too_few_steps_do_not_converge():
     found = solve(SOLVER, line, {"segments": 5, "most_steps": 40}, ("max_top_tension", "steps"))
     assert found.status.tolist() == [Status.ok, Status.not_converged]
     assert np.isnan(found.outputs["steps"][1])
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_line_that_takes_too_long_is_given_up_and_its_neighbours_are_solved(method):
+    # Through two hours, some 10^9 steps of the explicit methods.
+    line = CASE | {"duration": [0.1, 7200.0]}
+    options = {"segments": 20, "mass": "lumped", "rtol": 1e-9, "most_steps": 10**10, "most_seconds": 0.5}
+    found = solve(SOLVER, line, options | integrated(method), ("max_top_tension",))
+    assert found.status.tolist() == [Status.ok, Status.not_converged]
