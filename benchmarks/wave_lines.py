@@ -22,7 +22,7 @@ from stream_lines import first_call
 from wave_moordyn import CONVERGED, LINE, SNAPPING, Case, Extremes, Line, largest_step
 from wave_peers import SPREAD, TOGETHER, our_extremes, solving
 
-from cablesim.solvers.wave_line import METHODS
+from cablesim.solvers._wave_line import ORDERS
 
 Options = dict[str, Any]
 
@@ -111,10 +111,10 @@ def integrator_table(repeats: int) -> str:
 
 
 def choices() -> list[Options]:
-    """Integrators that there are, with their tolerances; of `gear` also what is limited to order 2."""
-    implicit = [{"integrator": name, "rtol": rtol} for name in METHODS if name not in EXPLICIT for rtol in RTOLS]
-    limited = [{**options, "max_order": 2} for options in implicit if options["integrator"] == "gear"]
-    return implicit + limited + [{"integrator": name} for name in EXPLICIT if name in METHODS]
+    """The default integrator with its tolerances, the multistep ones with theirs of 1e-3, and the explicit ones."""
+    default = [{"integrator": "generalized_alpha", "rtol": rtol} for rtol in RTOLS]
+    multistep = [{"integrator": name, "rtol": 1e-3, **more} for name in ORDERS for more in ({}, {"max_order": 2})]
+    return default + multistep + [{"integrator": name} for name in EXPLICIT]
 
 
 def exact_options(stiffness: float) -> Options:
