@@ -113,7 +113,11 @@ def integrator_table(repeats: int) -> str:
 def choices() -> list[Options]:
     """The default integrator with its tolerances, the multistep ones with theirs of 1e-3, and the explicit ones."""
     default = [{"integrator": "generalized_alpha", "rtol": rtol} for rtol in RTOLS]
-    multistep = [{"integrator": name, "rtol": 1e-3, **more} for name in ORDERS for more in ({}, {"max_order": 2})]
+    multistep = [
+        {"integrator": name, "rtol": 1e-3, "most_steps": 20_000, **more}
+        for name in ORDERS
+        for more in ({}, {"max_order": 2})
+    ]
     return default + multistep + [{"integrator": name} for name in EXPLICIT]
 
 
@@ -134,7 +138,7 @@ def _timed(given: Line, options: Options, repeats: int) -> tuple[float, float]:
 
 def _words(options: Options) -> str:
     words = {"integrator": "{}", "rtol": "rtol {:g}", "max_order": "order up to {}"}
-    return ", ".join(words[key].format(value) for key, value in options.items())
+    return ", ".join(words[key].format(value) for key, value in options.items() if key in words)
 
 
 def _errors(found: Extremes, exact: Extremes, name: str) -> tuple[str, str]:
