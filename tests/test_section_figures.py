@@ -344,9 +344,10 @@ def test_lines_are_named_by_a_column_of_the_table_of_cases_whose_numbers_may_be_
     assert all(len(cell.split(".")[1]) == 1 for cell in table["AB [m]"])
 
 
-def test_a_condition_leaves_out_lines_of_which_the_table_knows_something(tmp_path):
+@pytest.mark.parametrize("where", ["section_length_1 > 35 m", "table.wire > 35"])
+def test_a_condition_leaves_out_lines_of_which_the_table_knows_something(tmp_path, where):
     columns = {"AB": "exact.horizontal_distance", "wire [m]": "table.wire"}
-    table = printed(tmp_path, table="cases.csv", rows="place", columns=columns, where="section_length_1 > 35 m")
+    table = printed(tmp_path, table="cases.csv", rows="place", columns=columns, where=where)
     assert table["wire [m]"].tolist() == ["40.0000"]
 
 

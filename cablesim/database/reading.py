@@ -131,9 +131,9 @@ def evaluate(dataset: xr.Dataset, formula: str, table: Table | None = None) -> x
     return _explained(dataset, parse(formula), Expression.evaluate, table)
 
 
-def select(dataset: xr.Dataset, condition: str) -> xr.DataArray:
-    """Where a condition holds. Raises InputError, with the nearest names, for an unknown one."""
-    return _explained(dataset, parse(condition), Expression.select, None)
+def select(dataset: xr.Dataset, condition: str, table: Table | None = None) -> xr.DataArray:
+    """Where a condition holds, on the dataset's names and a table's. Raises InputError as `evaluate` does."""
+    return _explained(dataset, parse(condition), Expression.select, table)
 
 
 def _explained(

@@ -52,7 +52,7 @@ def _values(printed: PrintedTable, dataset: xr.Dataset) -> pd.DataFrame:
         heads[printed.rows] = xr.DataArray(names, dims=printed.rows)
     cells = {name: evaluate(chosen, formula, printed.source) for name, formula in printed.columns.items()}
     if printed.where:
-        kept = select(chosen, printed.where)
+        kept = select(chosen, printed.where, printed.source)
         cells = {name: value.where(kept) for name, value in cells.items()}
     if METHOD not in printed.heads:
         cells = {name: of_only_method(value) for name, value in cells.items()}
