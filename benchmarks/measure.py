@@ -1,11 +1,13 @@
-"""What the benchmarks share: timings in wall and processor time, the machine in words, a Markdown table."""
+"""What the benchmarks share: timings in wall and processor time, the machine in words, a Markdown table, silence."""
 
 import os
 import platform
 import resource
 import statistics
 import subprocess
-from collections.abc import Callable, Iterable
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
@@ -98,3 +100,19 @@ def _processor() -> str:
         return platform.processor() or platform.machine()
     lines = information.read_text(encoding="utf-8").splitlines()
     return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """MoorDyn's library writes to the process's own output, past Python's."""
+    sys.stdout.flush()
+    kept = {stream: os.dup(stream) for stream in (1, 2)}
+    try:
+        with Path(os.devnull).open("wb") as nowhere:
+            for stream in kept:
+                os.dup2(nowhere.fileno(), stream)
+        yield
+    finally:
+        for stream, copy in kept.items():
+            os.dup2(copy, stream)
+            os.close(copy)

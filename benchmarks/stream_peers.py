@@ -5,13 +5,10 @@ split where the friction of Pode's functions changes its sign, first guesses fro
 fastest at the accuracy asked for (DOP853 for the functions, LSODA for shooting), MoorDyn's fastest stable scheme.
 """
 
-import contextlib
 import math
-import os
-import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -20,6 +17,7 @@ from typing import Any
 import moorpy
 import mpmath as mp
 import numpy as np
+from measure import silence
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
@@ -260,7 +258,7 @@ def moordyn_line(line: Line) -> Array:
         speed = line["stream_speed"]
         profile = "\n".join(["---", "uniform", "z ux uy uz", f"{-SEABED} {speed} 0 0", f"0 {speed} 0 0", ""])
         path.with_name("current_profile.txt").write_text(profile, encoding="utf-8")
-        with _silence():
+        with silence():
             system = moordyn.Create(str(path))
             try:
                 if moordyn.Init(system, [], []) != 0:
@@ -268,22 +266,6 @@ def moordyn_line(line: Line) -> Array:
                 return _until_steady(system)
             finally:
                 moordyn.Close(system)
-
-
-@contextlib.contextmanager
-def _silence() -> Iterator[None]:
-    """MoorDyn's library writes to the process's own output, past Python's."""
-    sys.stdout.flush()
-    kept = {stream: os.dup(stream) for stream in (1, 2)}
-    try:
-        with Path(os.devnull).open("wb") as nowhere:
-            for stream in kept:
-                os.dup2(nowhere.fileno(), stream)
-        yield
-    finally:
-        for stream, copy in kept.items():
-            os.dup2(copy, stream)
-            os.close(copy)
 
 
 def _until_steady(system: object) -> Array:

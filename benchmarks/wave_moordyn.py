@@ -20,9 +20,7 @@ import argparse
 import contextlib
 import csv
 import math
-import os
 import struct
-import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -32,7 +30,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import measure
+from measure import measure, silence
 from scipy.optimize import brentq
 
 from cablesim import batch
@@ -275,22 +273,6 @@ Line LineType NodeA NodeB UnstrLen NumSegs Flags/Outputs
 {step} dtM
 ---------------------- need this line
 """
-
-
-@contextlib.contextmanager
-def silence() -> Iterator[None]:
-    """MoorDyn's library writes to the process's own output, past Python's."""
-    sys.stdout.flush()
-    kept = {stream: os.dup(stream) for stream in (1, 2)}
-    try:
-        with Path(os.devnull).open("wb") as nowhere:
-            for stream in kept:
-                os.dup2(nowhere.fileno(), stream)
-        yield
-    finally:
-        for stream, copy in kept.items():
-            os.dup2(copy, stream)
-            os.close(copy)
 
 
 def extremes(time: Array, tension: Array) -> Extremes:
