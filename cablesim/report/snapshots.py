@@ -37,7 +37,8 @@ def draw_snapshots(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         axes.remove()
     drawn.set_size_inches(*_size(grid))
     _label(drawn, grid, used, settings)
-    drawn.colorbar(ScalarMappable(norm, COLOURS), ax=list(used), label="tension [kN]")
+    motion = f"; motion × {settings['magnify']:g}" if settings["magnify"] != 1.0 else ""
+    drawn.colorbar(ScalarMappable(norm, COLOURS), ax=list(used), label=f"tension [kN]{motion}")
     return drawn
 
 
@@ -71,12 +72,10 @@ def _size(grid: Any) -> tuple[float, float]:
 
 
 def _label(drawn: Any, grid: Any, used: Any, settings: dict[str, Any]) -> None:
-    """Labels of the axes, each once for panels in a column or a row, and what is drawn too large."""
+    """Labels of the axes, each once for panels in a column or a row."""
     across, up = settings["view"]
     for axes in used[-grid.shape[1] :]:
         axes.tick_params(labelbottom=True)
         axes.set(xlabel=plain(settings.get("x_label", f"{across} [m]")))
     for axes in grid[:, 0]:
         axes.set(ylabel=plain(settings.get("y_label", f"{up} [m]")))
-    if settings["magnify"] != 1.0:
-        used[0].set_title(f"motion × {settings['magnify']:g}", fontsize=8, loc="right")
