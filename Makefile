@@ -23,6 +23,8 @@ bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/stream_lines.py
 	$(BIN)/python benchmarks/composite_lines.py
 	$(BIN)/python -m benchmarks.two_point_check
+	$(BIN)/python benchmarks/wave_peers.py
+	$(BIN)/python benchmarks/wave_lines.py
 
 references: .venv/test  ## Recompute the high-precision references of the tests.
 	$(BIN)/python tests/reference/make_catenary_references.py

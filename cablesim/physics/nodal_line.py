@@ -47,10 +47,11 @@ UNBOUND = 21  # tension, below zero where the element is slack: what it would be
 SLOPE = 22  # of the tension by the element's length, where it is taut
 STRAIN = 23
 POWER = 24  # of all forces that have no potential
+HELD = 25  # given: the tension that the last correction leads to; zero where it leaves the element slack
 
 # Rows of an element from here on belong to whoever marches the line.
-FREE_ELEMENT = 25
-ELEMENT_ROWS = 37
+FREE_ELEMENT = 26
+ELEMENT_ROWS = 38
 
 # What is known of a node, each three rows, and what elimination leaves of it: D^-1 B by rows, and D^-1 r.
 PLACE = 0
@@ -95,6 +96,10 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
 
     `fluid` (element, 6, lane) is the fluid's velocity and acceleration at the middle of each element; `factors` (2,
     lane) are the derivatives of velocity and of acceleration by place that the integrator implies.
+
+    Which elements are tight, and how much their tension resists turning, is told by `HELD`, as if tensions were unknown
+    beside the places; the forces are those of the law. Where a step moves an element across itself, its length alone
+    would for a while say any tension, or none.
     """
     L, R = LANES, NODE_ROWS * LANES
     for e in range(count):
@@ -115,9 +120,12 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
             rx, ry, rz = ends[R + VELOCITY * L + w], ends[R + (VELOCITY + 1) * L + w], ends[R + (VELOCITY + 2) * L + w]
             strain = length / h - 1.0
             rate = tx * (rx - lx) + ty * (ry - ly) + tz * (rz - lz)
-            pull, slope, viscous, unbound = tension(
+            _, slope, viscous, unbound = tension(
                 strain, rate, line[LINEAR * L + w], line[QUADRATIC * L + w], line[DAMPING * L + w], h, by_v
             )
+            held = out[HELD * L + w]
+            is_tight = held > 0.0
+            pull = unbound if is_tight else 0.0
 
             # drag on the middle of the element, and its derivative by velocity
             mx, my, mz = 0.5 * (lx + rx), 0.5 * (ly + ry), 0.5 * (lz + rz)
@@ -160,8 +168,8 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
             out[(RIGHT + 2) * L + w] = -pull * tz + 0.5 * pz - mass * sz + st * tz - half_weight
 
             # derivatives: inertia and drag act on both nodes alike, tension with opposite signs
-            shear = pull * inverse
-            stiff = (slope if pull > 0.0 else 0.0) - shear
+            shear = held * inverse
+            stiff = (slope if is_tight else 0.0) - shear
             lone, joint = by_a * own, by_a * other
             self_round, pair_round = lone * mass + round_ + shear, joint * mass + round_ - shear
             self_axial, pair_axial = axial - lone * lost + stiff, axial - joint * lost - stiff

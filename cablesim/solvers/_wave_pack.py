@@ -49,6 +49,7 @@ OLD_SHIFTED = FREE_NODE + 15
     ACCELERATION_OLD,
     ACCELERATION_PAST,  # factor of the old acceleration in the new one
     RESCALED,  # theta h of this step over that of the last
+    RELAGGED,  # factor in the old velocity of what the old q is more than the old acceleration
     PLACE_DEFECT,  # error of the place over the change of q
     EXTRAPOLATED1,  # factors of the last three tensions in what they lead to
     EXTRAPOLATED2,
@@ -56,7 +57,7 @@ OLD_SHIFTED = FREE_NODE + 15
     TENSION_DEFECT,  # error of a tension over its distance from that
     ACTIVE,  # 1 while Newton's method goes on
     METHOD_ROWS,
-) = range(18)
+) = range(19)
 
 # What a lane knows.
 (
@@ -66,6 +67,7 @@ OLD_SHIFTED = FREE_NODE + 15
     LAST_STEP,
     STEP_BEFORE,
     SHIFT_TIME,  # theta h of the last step
+    LAG,  # of the velocity after the last step, over the rate of the acceleration
     RHO,  # of the line while it is taut
     TENSION_SCALE,
     PLACE_SCALE,
@@ -95,7 +97,7 @@ OLD_SHIFTED = FREE_NODE + 15
     POWER_NOW,
     POWER_TURNED,  # of the top end and of the rest, each without its sign
     LANE_ROWS,
-) = range(35)
+) = range(36)
 
 
 # How a scenario ends.

@@ -7,6 +7,10 @@ This is Arnold and Bruels' form, which is of second order for any mass matrix; q
 by theta h, theta = alpha_m - alpha_f, and is shifted anew where the step changes. Motion that the step does not
 resolve loses all but a part rho of its amplitude each step.
 
+Motion that a line's own length dictates is found with velocities that lag by |1/6 - theta/2 - beta| h^2 a'. Where the
+step of a line too stiff to stretch changes, its velocities are given the lag of the new one: with the old one they
+would stretch it, and it would ring.
+
 References: J. Chung, G. Hulbert, J. Appl. Mech. 60 (1993) 371; M. Arnold, O. Bruels, Multibody Syst. Dyn. 18 (2007)
 185.
 """
@@ -40,6 +44,7 @@ from cablesim.solvers._wave_pack import (
     EXTRAPOLATED1,
     EXTRAPOLATED2,
     EXTRAPOLATED3,
+    LAG,
     LAST_STEP,
     NEW,
     NEXT_STEP,
@@ -55,6 +60,7 @@ from cablesim.solvers._wave_pack import (
     PLACE_ERROR,
     PLACE_NEW,
     PLACE_OLD,
+    RELAGGED,
     RESCALED,
     RHO,
     SCENARIO,
@@ -109,7 +115,9 @@ def set_method(pack, w, fixed):
     m[ACCELERATION_BY_PLACE * LANES + w] = m[ACCELERATION_NEW * LANES + w] / (beta * h * h)
     m[RESCALED * LANES + w] = theta * h / lane[SHIFT_TIME * LANES + w]
     defect = abs(beta + 0.5 * theta - 1.0 / 6.0)
-    m[PLACE_DEFECT * LANES + w] = defect * h * h
+    lag = m[PLACE_DEFECT * LANES + w] = defect * h * h
+    is_bound = (lane[RHO * LANES + w] == RHO_SLACK) & (time >= lane[SLACK_UNTIL * LANES + w])
+    m[RELAGGED * LANES + w] = (lane[LAG * LANES + w] - lag) / lane[SHIFT_TIME * LANES + w] if is_bound else 0.0
     set_extrapolation(m, w, h, lane[LAST_STEP * LANES + w], lane[STEP_BEFORE * LANES + w], defect)
     m[ACTIVE * LANES + w] = 1.0
     lane[CONVERGED * LANES + w] = 0.0
@@ -159,8 +167,12 @@ def predict(nodes, method, count, width):
         for k in range(3):
             own = node[k * L :]
             for w in range(width):
-                a0, v0 = own[OLD_ACCELERATION * L + w], own[OLD_VELOCITY * L + w]
-                q = a0 + method[RESCALED * L + w] * (own[OLD_SHIFTED * L + w] - a0)
+                a0 = own[OLD_ACCELERATION * L + w]
+                more = own[OLD_SHIFTED * L + w] - a0
+                q, v0 = (
+                    a0 + method[RESCALED * L + w] * more,
+                    own[OLD_VELOCITY * L + w] + method[RELAGGED * L + w] * more,
+                )
                 own[START_SHIFTED * L + w] = q
                 own[SHIFTED * L + w] = q
                 way = method[STEP * L + w] * v0 + (method[PLACE_OLD * L + w] + method[PLACE_NEW * L + w]) * q

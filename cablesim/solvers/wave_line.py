@@ -272,6 +272,7 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
     status[(status == Status.ok) & (marched.fate == BEYOND_LAW)] = Status.out_of_domain
     status[(status == Status.ok) & (marched.fate != SOLVED)] = Status.not_converged
     finer = closer = np.full(p.size, np.nan)
+    able = np.flatnonzero(status == Status.ok)
     if options.mesh_check == "yes":
         twice = p.equilibrium(2 * options.segments)
         both = able[twice.fate[able] == _wave_static.SOLVED]

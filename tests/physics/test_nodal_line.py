@@ -9,6 +9,7 @@ from cablesim.numerics.lanes import LANES
 from cablesim.physics.nodal_line import (
     CHANGE,
     ELEMENT_ROWS,
+    HELD,
     LEFT,
     LINE_ROWS,
     NODE_ROWS,
@@ -17,6 +18,7 @@ from cablesim.physics.nodal_line import (
     POWER,
     RIGHT,
     STRAIN,
+    TANGENT,
     UNBOUND,
     assemble,
     solve_inner,
@@ -88,12 +90,18 @@ def flat(values: Array, rows: int, width: int = LANES) -> Array:
     return found.ravel()
 
 
-def assembled(nodes: Array, fluid: Array, given: Line, by_v: float = 0.0, by_a: float = 0.0) -> Array:
-    """What the kernel finds of the elements, (lane, element, row)."""
+def assembled(
+    nodes: Array, fluid: Array, given: Line, by_v: float = 0.0, by_a: float = 0.0, held: Array | None = None
+) -> Array:
+    """What the kernel finds of the elements, (lane, element, row); held by the tension of their length if not told."""
+    if held is None:
+        held = np.fmax(assembled(nodes, fluid, given, by_v, by_a, np.ones(fluid.shape[:2]))[..., UNBOUND], 0.0)
     size, count = fluid.shape[:2]
     rows = flat(np.stack([given[name] for name in NAMES], axis=1)[:, None, :], LINE_ROWS)
     factors = np.repeat([by_v, by_a], LANES).astype(float)
-    found = np.full(count * ELEMENT_ROWS * LANES, np.nan)
+    found = np.full((count, ELEMENT_ROWS, LANES), np.nan)
+    found[:, HELD, :size] = held.T
+    found = found.ravel()
     assemble(flat(nodes, NODE_ROWS), flat(fluid, 6), rows, factors, found, count, size)
     return found.reshape(count, ELEMENT_ROWS, LANES)[:, :, :size].transpose(2, 0, 1)
 
@@ -180,6 +188,24 @@ def test_an_element_that_is_not_longer_than_unstretched_pulls_with_exactly_nothi
     # Damping takes the tension of some elements to zero that are longer.
     assert (inwards >= 0.0).all() and (pull[~slack] == 0.0).any()
     assert np.array_equal(pull > 0.0, found[..., UNBOUND] > 0.0)
+
+
+def test_elements_are_as_tight_as_they_are_held_whatever_their_length_says():
+    """A held element pulls by its law, and pushes where it is shorter; one that is not held does nothing."""
+    nodes, fluid = motion(LANES)
+    nodes[..., 3:] = 0.0
+    given = line(LANES, weight=0.0, normal_drag=0.0, tangent_drag=0.0)
+    tight = assembled(nodes, 0.0 * fluid, given, held=np.full((LANES, COUNT), 70.0))
+    along = np.einsum("lek,lek->le", forces(tight)[:, :, 0], tight[..., TANGENT : TANGENT + 3])
+    assert np.allclose(along, tight[..., UNBOUND], rtol=1e-12, atol=0.0)
+    assert (tight[..., UNBOUND] < 0.0).any() and (tight[..., UNBOUND] > 0.0).any()
+    loose = assembled(nodes, 0.0 * fluid, given, held=np.zeros((LANES, COUNT)))
+    assert (forces(loose) == 0.0).all() and (blocks(loose) == 0.0).all()
+    # Across itself it resists by the tension that it is held with, over its length.
+    lengths = 2.0 * (1.0 + tight[..., STRAIN])
+    own, tangent = matrices(tight, OWN), tight[..., TANGENT : TANGENT + 3]
+    across = np.trace(own, axis1=2, axis2=3) - np.einsum("lei,leij,lej->le", tangent, own, tangent)
+    assert np.allclose(across, 2.0 * 70.0 / lengths, rtol=1e-9, atol=0.0)
 
 
 # ---- derivatives ----
