@@ -8,7 +8,7 @@ Tensions are iterated beside the places: an element is tight where the last corr
 by the tension that this led to, not by what its length of the moment would say. That makes lines converge in a few
 iterations that are so stiff that every step passes through lengths they could not have.
 
-Reference: D. Magisano, L. Leonetti, G. Garcea, Comput. Methods Appl. Mech. Eng. 313 (2017) 913.
+Reference: D. Magisano, L. Leonetti, G. Garcea, Comput. Methods Appl. Mech. Eng. 313 (2017) 986.
 """
 
 import math

@@ -596,7 +596,7 @@ def test_a_line_too_stiff_to_stretch_does_not_ring_where_its_step_changes():
     outputs = ("max_top_tension", "min_top_tension", "steps", "rejected_steps")
     found = moved(line, outputs, segments=4, mass="lumped", rtol=3e-4)
     exact = moved(line, outputs, segments=4, mass="lumped", integrator="leapfrog")
-    # The error of 60 steps a period: tensions of what cannot stretch are off by (omega h)^2 / 3 of their amplitude.
+    # The error of 60 steps a period: tensions of what cannot stretch are off by (omega h)^2 of their amplitude.
     # With rings it is ten times as large, after ten times the steps.
     for name in outputs[:2]:
         assert abs(found[name] - exact[name]) < 0.004 * exact["max_top_tension"]
