@@ -46,7 +46,7 @@ TANGENT = 18
 UNBOUND = 21  # tension, below zero where the element is slack: what it would be if it were stiff there
 SLOPE = 22  # of the tension by the element's length, where it is taut
 STRAIN = 23
-POWER = 24  # of all forces that have no potential
+POWER = 24  # of all forces that have no potential but internal damping
 HELD = 25  # given: the tension that the last correction leads to; zero where it leaves the element slack
 
 # Rows of an element from here on belong to whoever marches the line.
@@ -120,7 +120,7 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
             rx, ry, rz = ends[R + VELOCITY * L + w], ends[R + (VELOCITY + 1) * L + w], ends[R + (VELOCITY + 2) * L + w]
             strain = length / h - 1.0
             rate = tx * (rx - lx) + ty * (ry - ly) + tz * (rz - lz)
-            _, slope, viscous, unbound = tension(
+            _, slope, _, unbound = tension(
                 strain, rate, line[LINEAR * L + w], line[QUADRATIC * L + w], line[DAMPING * L + w], h, by_v
             )
             held = out[HELD * L + w]
@@ -194,8 +194,7 @@ def assemble(nodes, fluid, line, factors, elements, count, width):
             out[STRAIN * L + w] = strain
             left_power = lx * (added * qx - qt * tx) + ly * (added * qy - qt * ty) + lz * (added * qz - qt * tz)
             right_power = rx * (added * sx - st * tx) + ry * (added * sy - st * ty) + rz * (added * sz - st * tz)
-            given = px * mx + py * my + pz * mz
-            out[POWER * L + w] = given - left_power - right_power - viscous * rate
+            out[POWER * L + w] = px * mx + py * my + pz * mz - left_power - right_power
 
 
 @compiled

@@ -68,6 +68,7 @@ from cablesim.solvers._wave_record import (
     TALLY_ROWS,
     begin_tally,
     finish_tally,
+    note_damping,
     note_elements,
     note_ends,
     note_history,
@@ -113,6 +114,7 @@ def march(problem, has_waves, limits, clock, records, fates, first, stride, widt
                 if records.history.shape[1] + records.orbit.shape[1] > 0:
                     note_history(pack, tally, w, records, count)
                 note_ends(pack, tally, w)
+                note_damping(pack, tally, w, count)
                 advance(pack, w)
         accept(pack.nodes, pack.elements, pack.lane, count, width)
         for w in range(width):

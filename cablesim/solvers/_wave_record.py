@@ -10,6 +10,7 @@ from cablesim.numerics.compiled import compiled
 from cablesim.numerics.lanes import LANES
 from cablesim.physics.nodal_line import (
     ADDED,
+    DAMPING,
     ELEMENT_ROWS,
     LINEAR,
     MASS,
@@ -65,6 +66,9 @@ BEFORE, EARLIER, MOST, LOWEST, SUM = 0, 3, 6, 9, 12
     TALLY_ROWS,
 ) = range(15, 26)
 
+# A parabola through three values turns at most so many times their larger difference beyond the middle one, if one step
+# is at most twice the other; where they differ by more, after a jerk, it would turn anywhere.
+MOST_REACH = 1.0 / 3.0
 # An element snaps where it is pulled from nothing to this part of the static tension at the top.
 SNAP_SHARE = 0.05
 
@@ -96,12 +100,11 @@ def energy(pack, w, count):
     linear, quadratic = line[LINEAR * LANES + w], line[QUADRATIC * LANES + w]
     for e in range(count):
         ends = pack.nodes[NODE_ROWS * LANES * e : NODE_ROWS * LANES * (e + 2)]
-        squares, length = 0.0, 0.0
+        squares = 0.0
         for k in range(3):
             left, right = ends[(VELOCITY + k) * LANES + w], ends[(NODE_ROWS + VELOCITY + k) * LANES + w]
             squares += own * (left * left + right * right) + 2.0 * other * left * right
-            length += (ends[(NODE_ROWS + PLACE + k) * LANES + w] - ends[(PLACE + k) * LANES + w]) ** 2
-        strain = np.sqrt(length) / piece - 1.0
+        strain = strain_at(ends, PLACE, piece, w)
         height = 0.5 * (ends[(PLACE + 2) * LANES + w] + ends[(NODE_ROWS + PLACE + 2) * LANES + w])
         elastic = (0.5 * linear + quadratic * strain / 3.0) * strain * strain if strain > 0.0 else 0.0
         total += piece * (0.5 * mass * squares + elastic + line[WEIGHT * LANES + w] * height)
@@ -151,6 +154,8 @@ def note_ends(pack, tally, w):
             if before > 0.0 and time - before >= window and (last - earlier) * (now - last) < 0.0:
                 bend = curvature(tally, w, c, now, h)
                 turn = last - ((now - last) / h - bend * h) ** 2 / (4.0 * bend)
+                reach = MOST_REACH * max(abs(now - last), abs(last - earlier))
+                turn = min(max(turn, last - reach), last + reach)
                 most, least = max(most, turn), min(least, max(turn, 0.0))
             tally[(MOST + c) * LANES + w], tally[(LOWEST + c) * LANES + w] = most, least
             tally[(SUM + c) * LANES + w] += 0.5 * h * (now + last)
@@ -161,6 +166,41 @@ def note_ends(pack, tally, w):
     turned = lane[POWER_TURNED * LANES + w]
     tally[TURNOVER * LANES + w] += 0.5 * h * (turned + tally[TURNED_BEFORE * LANES + w])
     tally[POWER_BEFORE * LANES + w], tally[TURNED_BEFORE * LANES + w] = power, turned
+
+
+@compiled
+def note_damping(pack, tally, w, count):
+    """Work of internal damping over an accepted step of one lane, whose nodes are still where they were before, too.
+
+    It is taken over the change of length: velocities of a line too stiff to stretch do not belong to its places.
+    """
+    line = pack.line
+    if line[DAMPING * LANES + w] == 0.0:
+        return
+    piece, work = line[PIECE * LANES + w], 0.0
+    for e in range(count):
+        ends = pack.nodes[NODE_ROWS * LANES * e : NODE_ROWS * LANES * (e + 2)]
+        own = pack.elements[ELEMENT_ROWS * LANES * e : ELEMENT_ROWS * LANES * (e + 1)]
+        now, last = strain_at(ends, PLACE, piece, w), strain_at(ends, OLD_PLACE, piece, w)
+        viscous = own[NEW * LANES + w] - elastic_pull(line, now, w)
+        viscous += own[PAST1 * LANES + w] - elastic_pull(line, last, w)
+        work -= 0.5 * viscous * piece * (now - last)
+    tally[WORK * LANES + w] += work
+    tally[TURNOVER * LANES + w] += abs(work)
+
+
+@compiled
+def strain_at(ends, row, piece, w):
+    """Strain of an element whose nodes are where their rows from `row` on say."""
+    square = 0.0
+    for k in range(3):
+        square += (ends[(NODE_ROWS + row + k) * LANES + w] - ends[(row + k) * LANES + w]) ** 2
+    return np.sqrt(square) / piece - 1.0
+
+
+@compiled
+def elastic_pull(line, strain, w):
+    return (line[LINEAR * LANES + w] + line[QUADRATIC * LANES + w] * strain) * strain if strain > 0.0 else 0.0
 
 
 @compiled

@@ -603,6 +603,17 @@ def test_a_line_too_stiff_to_stretch_does_not_ring_where_its_step_changes():
     assert found["steps"] + found["rejected_steps"] < 60 * 12
 
 
+@pytest.mark.parametrize("stiffness", [5e6, 2e9, 4e10])
+def test_internal_damping_takes_what_the_balance_of_energy_says(stiffness):
+    """Whatever velocities a line too stiff to stretch has, damping works where lengths change."""
+    line = CASE | HANGING["waves"] | {"linear_stiffness": stiffness, "internal_damping": 0.01 * stiffness}
+    found = moved(line, ("energy_error", "max_top_tension"), segments=12, rtol=1e-4)
+    assert found["energy_error"] < 2e-3
+    # Most of the damping is of what undamped lines do not do either.
+    free = moved(line | {"internal_damping": 0.0}, ("max_top_tension",), segments=12, rtol=1e-4)
+    assert found["max_top_tension"] == pytest.approx(free["max_top_tension"], rel=0.01)
+
+
 def test_a_stiff_line_of_many_elements_is_followed_through_slackness():
     """Each step takes it through lengths that it could not have: their tensions are not to be believed."""
     line = CASE | {
