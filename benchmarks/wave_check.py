@@ -133,6 +133,8 @@ def report(found: list[Row]) -> None:
 
 
 def quantiles(values: list[float]) -> str:
+    if not values:
+        return "none"
     shares = (0.5, 0.9, 0.95, 0.99, 1.0)
     return " ".join(
         f"{share:.0%}: {value:.1e}" for share, value in zip(shares, np.quantile(values, shares), strict=True)
