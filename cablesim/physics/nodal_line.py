@@ -47,11 +47,11 @@ UNBOUND = 21  # tension, below zero where the element is slack: what it would be
 SLOPE = 22  # of the tension by the element's length, where it is taut
 STRAIN = 23
 POWER = 24  # of all forces that have no potential but internal damping
-HELD = 25  # given: the tension that the last correction leads to; zero where it leaves the element slack
+HELD = 25  # given: the tension as last corrected; zero where that leaves the element slack
 
 # Rows of an element from here on belong to whoever marches the line.
 FREE_ELEMENT = 26
-ELEMENT_ROWS = 38
+ELEMENT_ROWS = 37
 
 # What is known of a node, each three rows, and what elimination leaves of it: D^-1 B by rows, and D^-1 r.
 PLACE = 0

@@ -24,7 +24,6 @@ from cablesim.solvers._wave_pack import (
     END,
     EVALUATIONS,
     GAVE_UP,
-    LAG,
     LAST_STEP,
     NEW,
     NEXT_STEP,
@@ -38,7 +37,6 @@ from cablesim.solvers._wave_pack import (
     PAST2,
     PAST3,
     PERIOD,
-    PLACE_DEFECT,
     PLACE_ERROR,
     PLACE_SCALE,
     REJECTED,
@@ -186,7 +184,6 @@ def advance(pack, w):
     lane[STEP_BEFORE * LANES + w] = lane[LAST_STEP * LANES + w]
     lane[LAST_STEP * LANES + w] = m[STEP * LANES + w]
     lane[SHIFT_TIME * LANES + w] *= m[RESCALED * LANES + w]
-    lane[LAG * LANES + w] = m[PLACE_DEFECT * LANES + w]
     lane[STEPS * LANES + w] += 1.0
     lane[TENSION_SCALE * LANES + w] = max(lane[TENSION_SCALE * LANES + w], lane[TOP_NOW * LANES + w])
     if lane[SLACK_NOW * LANES + w] > 0.0:

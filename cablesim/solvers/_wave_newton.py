@@ -19,7 +19,6 @@ from cablesim.physics.nodal_line import (
     ACCELERATION,
     CHANGE,
     ELEMENT_ROWS,
-    HELD,
     LEFT,
     NODE_ROWS,
     OTHER,
@@ -44,9 +43,6 @@ from cablesim.solvers._wave_pack import (
     CONVERGED,
     CORRECTION,
     EVALUATIONS,
-    EXTRAPOLATED1,
-    EXTRAPOLATED2,
-    EXTRAPOLATED3,
     LARGEST_MISS,
     LARGEST_MOVE,
     LARGEST_SHIFT,
@@ -54,8 +50,6 @@ from cablesim.solvers._wave_pack import (
     NEW,
     NEW_STRAIN,
     PAST1,
-    PAST2,
-    PAST3,
     PLACE_NEW,
     PLACE_SCALE,
     POWER_IN,
@@ -66,7 +60,7 @@ from cablesim.solvers._wave_pack import (
     TOP_NOW,
     VELOCITY_BY_PLACE,
 )
-from cablesim.solvers._wave_step import find_fluid
+from cablesim.solvers._wave_step import extrapolated, find_fluid
 
 MOST_ITERATIONS = 16
 # What the next correction may still be, in tolerances; a correction so many times the last one, and beyond the
@@ -108,12 +102,8 @@ def start(elements, method, count, width):
         own = elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
         for w in range(width):
             last = own[PAST1 * L + w]
-            found = (
-                method[EXTRAPOLATED1 * L + w] * last
-                + method[EXTRAPOLATED2 * L + w] * own[PAST2 * L + w]
-                + method[EXTRAPOLATED3 * L + w] * own[PAST3 * L + w]
-            )
-            own[HELD * L + w] = min(max(found, last / MOST_CHANGE), MOST_CHANGE * last)
+            found = extrapolated(own, method, w)
+            own[NEW * L + w] = min(max(found, last / MOST_CHANGE), MOST_CHANGE * last)
 
 
 @compiled
@@ -138,7 +128,7 @@ def measure(nodes, elements, line, method, lane, count, width):
             across = dx * dx + dy * dy + dz * dz - longer * longer
             unbound, strain = own[UNBOUND * L + w], own[STRAIN * L + w]
             found = unbound + own[SLOPE * L + w] * longer
-            is_tight = own[HELD * L + w] > 0.0
+            is_tight = own[NEW * L + w] > 0.0
             pull, kept = unbound if is_tight else 0.0, found if found > 0.0 else 0.0
             # What the correction stretches the element by at second order, by moving its ends across it.
             turned = own[SLOPE * L + w] * across / (2.0 * line[PIECE * L + w] * (1.0 + strain)) if found > 0.0 else 0.0
@@ -146,7 +136,6 @@ def measure(nodes, elements, line, method, lane, count, width):
             miss = turned if turned > miss else miss
             shift = abs(kept - pull)
             is_active = method[ACTIVE * L + w] > 0.0
-            own[HELD * L + w] = kept
             own[NEW * L + w] = kept if is_active else own[NEW * L + w]
             own[NEW_STRAIN * L + w] = strain + longer / line[PIECE * L + w] if is_active else own[NEW_STRAIN * L + w]
             lane[LARGEST_SHIFT * L + w] = shift if shift > lane[LARGEST_SHIFT * L + w] else lane[LARGEST_SHIFT * L + w]

@@ -8,7 +8,7 @@ import numpy as np
 from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.lanes import LANES
-from cablesim.physics.nodal_line import ELEMENT_ROWS, FREE_ELEMENT, FREE_NODE, LINE_ROWS, NODE_ROWS
+from cablesim.physics.nodal_line import ELEMENT_ROWS, FREE_ELEMENT, FREE_NODE, HELD, LINE_ROWS, NODE_ROWS
 from cablesim.physics.waves import FLUID_SIZE, MOTION_SIZE, TOP_SIZE, WAVE_SIZE
 
 # What a node needs beside its motion: q, q of the last step as this step needs it, motion and q after the last step.
@@ -21,8 +21,8 @@ OLD_ACCELERATION = FREE_NODE + 12
 OLD_SHIFTED = FREE_NODE + 15
 
 # Of an element: tension and strain at the end of the step, tension after the last three, and what is recorded.
+NEW = HELD
 (
-    NEW,
     NEW_STRAIN,
     PAST1,
     PAST2,
@@ -34,7 +34,7 @@ OLD_SHIFTED = FREE_NODE + 15
     SNAPS,
     LARGEST_STRAIN,
     DISTANCE,  # of the new tension from the parabola through the last three
-) = range(FREE_ELEMENT, FREE_ELEMENT + 12)
+) = range(FREE_ELEMENT, FREE_ELEMENT + 11)
 
 # Numbers of the method for one step; `assemble` reads the first two.
 (
@@ -67,7 +67,6 @@ OLD_SHIFTED = FREE_NODE + 15
     LAST_STEP,
     STEP_BEFORE,
     SHIFT_TIME,  # theta h of the last step
-    LAG,  # of the velocity after the last step, over the rate of the acceleration
     RHO,  # of the line while it is taut
     TENSION_SCALE,
     PLACE_SCALE,
@@ -97,7 +96,7 @@ OLD_SHIFTED = FREE_NODE + 15
     POWER_NOW,
     POWER_TURNED,  # of the top end and of the rest, each without its sign
     LANE_ROWS,
-) = range(36)
+) = range(35)
 
 
 # How a scenario ends.

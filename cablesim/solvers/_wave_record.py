@@ -22,6 +22,7 @@ from cablesim.physics.nodal_line import (
     QUADRATIC,
     VELOCITY,
     WEIGHT,
+    tension,
 )
 from cablesim.solvers._wave_pack import (
     ACCEPTED,
@@ -200,7 +201,8 @@ def strain_at(ends, row, piece, w):
 
 @compiled
 def elastic_pull(line, strain, w):
-    return (line[LINEAR * LANES + w] + line[QUADRATIC * LANES + w] * strain) * strain if strain > 0.0 else 0.0
+    law = tension(strain, 0.0, line[LINEAR * LANES + w], line[QUADRATIC * LANES + w], 0.0, line[PIECE * LANES + w], 0.0)
+    return law[0]
 
 
 @compiled

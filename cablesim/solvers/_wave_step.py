@@ -44,7 +44,6 @@ from cablesim.solvers._wave_pack import (
     EXTRAPOLATED1,
     EXTRAPOLATED2,
     EXTRAPOLATED3,
-    LAG,
     LAST_STEP,
     NEW,
     NEXT_STEP,
@@ -115,10 +114,11 @@ def set_method(pack, w, fixed):
     m[ACCELERATION_BY_PLACE * LANES + w] = m[ACCELERATION_NEW * LANES + w] / (beta * h * h)
     m[RESCALED * LANES + w] = theta * h / lane[SHIFT_TIME * LANES + w]
     defect = abs(beta + 0.5 * theta - 1.0 / 6.0)
-    lag = m[PLACE_DEFECT * LANES + w] = defect * h * h
+    last, lag = lane[LAST_STEP * LANES + w], defect * h * h
+    m[PLACE_DEFECT * LANES + w] = lag
     is_bound = (lane[RHO * LANES + w] == RHO_SLACK) & (time >= lane[SLACK_UNTIL * LANES + w])
-    m[RELAGGED * LANES + w] = (lane[LAG * LANES + w] - lag) / lane[SHIFT_TIME * LANES + w] if is_bound else 0.0
-    set_extrapolation(m, w, h, lane[LAST_STEP * LANES + w], lane[STEP_BEFORE * LANES + w], defect)
+    m[RELAGGED * LANES + w] = (defect * last * last - lag) / lane[SHIFT_TIME * LANES + w] if is_bound else 0.0
+    set_extrapolation(m, w, h, last, lane[STEP_BEFORE * LANES + w], defect)
     m[ACTIVE * LANES + w] = 1.0
     lane[CONVERGED * LANES + w] = 0.0
     lane[CORRECTION * LANES + w] = -1.0
@@ -156,6 +156,16 @@ def set_extrapolation(m, w, h, last, before, defect):
     m[EXTRAPOLATED2 * LANES + w] = -h * three / (last * before)
     m[EXTRAPOLATED3 * LANES + w] = h * (h + last) / (before * two)
     m[TENSION_DEFECT * LANES + w] = 6.0 * defect * h * h / ((h + last) * three)
+
+
+@compiled
+def extrapolated(element, method, w):
+    """What the last three tensions of an element lead to."""
+    return (
+        method[EXTRAPOLATED1 * LANES + w] * element[PAST1 * LANES + w]
+        + method[EXTRAPOLATED2 * LANES + w] * element[PAST2 * LANES + w]
+        + method[EXTRAPOLATED3 * LANES + w] * element[PAST3 * LANES + w]
+    )
 
 
 @compiled
@@ -221,11 +231,7 @@ def judge(nodes, elements, method, lane, count, width):
     for e in range(count):
         own = elements[ELEMENT_ROWS * L * e : ELEMENT_ROWS * L * (e + 1)]
         for w in range(width):
-            own[DISTANCE * L + w] = own[NEW * L + w] - (
-                method[EXTRAPOLATED1 * L + w] * own[PAST1 * L + w]
-                + method[EXTRAPOLATED2 * L + w] * own[PAST2 * L + w]
-                + method[EXTRAPOLATED3 * L + w] * own[PAST3 * L + w]
-            )
+            own[DISTANCE * L + w] = own[NEW * L + w] - extrapolated(own, method, w)
             lane[SLACK_NOW * L + w] += 0.0 if own[NEW * L + w] > 0.0 else 1.0
     for e in range(count):
         judge_tension(elements, method, lane, e, count, width)

@@ -564,7 +564,7 @@ HANGING: dict[str, Line] = {
     "kind",
     [
         "waves",
-        pytest.param("stream", marks=pytest.mark.xfail(strict=True, reason="1.4 %: this line rings for many periods")),
+        pytest.param("stream", marks=pytest.mark.xfail(strict=True, reason="1.3 %: this line rings for many periods")),
     ],
 )
 def test_the_peaks_of_stiff_hanging_lines_do_not_depend_on_the_tolerance(kind):
@@ -710,10 +710,10 @@ def test_outputs_agree_with_each_other(line, count):
         assert found[f"min_{place}_tension"] <= found[f"mean_{place}_tension"] <= found[f"max_{place}_tension"]
         assert tension[0] == pytest.approx(found[f"static_{place}_tension"], rel=FLOAT32)
         most = found[f"max_{place}_tension"]
-        # The parabolas of a history and of the extremes are not through the same points; they differ by what the error
-        # of a step may be, three times the tolerance of 1e-3. Between samples, 1/500 of a period apart, ringing has
-        # peaks.
-        assert 0.97 * most < tension[window].max() < 1.003 * most
+        # The parabolas of a history and of the extremes are not through the same points; their difference is an error
+        # of the tolerance's size, 1e-3. Between samples, 1/500 of a period apart, ringing has peaks.
+        assert 0.97 * most < tension[window].max() < 1.001 * most
+        # Next to slackness, where a parabola ends at 0, it is what the error of a step may be: three tolerances.
         assert tension[window].min() > found[f"min_{place}_tension"] - 0.003 * most
         assert tension.min() >= 0.0
         # The trapezoidal rule over steps, and over samples.
