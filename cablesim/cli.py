@@ -7,6 +7,7 @@ import os
 import sys
 import traceback
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -35,11 +36,14 @@ def cli() -> None:
 @cli.command()
 def solvers() -> None:
     """List the solvers."""
-    from cablesim.solver import solver_names, summary
+    from cablesim.solver import peer_names, solver_names, summary
 
-    names = solver_names()
-    width = max(map(len, names))
+    names, peers = solver_names(), peer_names()
+    width = max(map(len, [*names, *peers]))
     for name in names:
+        click.echo(f"{name:<{width}}  {summary(name)}")
+    click.echo("\nOther people's programs, to compare with:")
+    for name in peers:
         click.echo(f"{name:<{width}}  {summary(name)}")
 
 
@@ -204,6 +208,22 @@ def step_solve(plan: Path, shard: str, out: Path) -> None:
     from cablesim import steps
 
     steps.solve(plan, shard, out)
+
+
+@step.command("measure")
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.argument("results", type=click.Path(path_type=Path))
+def step_measure(scene: Path, results: Path) -> None:
+    """Time the methods of a SCENE on one thread."""
+    # Libraries look at it when they are imported.
+    os.environ["OMP_NUM_THREADS"] = "1"
+    start = perf_counter()
+    from cablesim import steps
+    from cablesim.config.scene import read_scene
+    from cablesim.study import Layout
+
+    read = read_scene(scene)
+    steps.measure(read, Layout(results), perf_counter() - start)
 
 
 def _scene_step(name: str, help_text: str) -> None:

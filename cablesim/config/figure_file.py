@@ -59,6 +59,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
         "snapshots": read_snapshots,
         "convergence": _read_convergence,
         "audit": _read_audit,
+        "work_precision": _read_work_precision,
     }
     figures = []
     for name, entry in node.named_entries().items():
@@ -205,6 +206,13 @@ def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:
     node.mapping(("kind",))
     if not stage.audited:
         node.fail("a figure of an audit needs a published table")
+    return {}
+
+
+def _read_work_precision(node: Node, stage: Stage) -> dict[str, Any]:
+    node.mapping(("kind",))
+    if not stage.timed:
+        node.fail("a figure of error against run time needs the scene's work_precision")
     return {}
 
 
