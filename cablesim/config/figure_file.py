@@ -210,10 +210,12 @@ def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:
 
 
 def _read_work_precision(node: Node, stage: Stage) -> dict[str, Any]:
-    node.mapping(("kind",))
+    """Methods that differ in one option alone are joined; where they make a net, `join` says along which option."""
+    keys = node.mapping(("kind",), ("join",))
     if not stage.timed:
         node.fail("a figure of error against run time needs the scene's work_precision")
-    return {}
+    options = tuple(dict.fromkeys(series.option for series in find_series(stage.methods, stage.reference)))
+    return {"join": keys["join"].choice(options) if "join" in keys else None}
 
 
 def _number(node: Node, stage: Stage) -> tuple[str, set[str]]:

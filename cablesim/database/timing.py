@@ -27,8 +27,8 @@ from cablesim.solver import installed
 
 # A measurement takes at least so long.
 SHORTEST = 0.01
-# Scenarios that are solved alone as well, spread over the scene.
-ALONE = 5
+# Scenarios that are solved alone as well, spread over the scene, and the seconds after which these are enough.
+ALONE, ENOUGH = 5, 0.1
 THREADS = 1
 
 
@@ -112,7 +112,13 @@ class _Called:
         self.spent.append(sum(self.seconds(self.parameters) for _ in range(self.calls)))
 
     def timing(self) -> Timing:
-        size = self.parameters.size
-        some = np.unique(np.linspace(0, size - 1, ALONE).astype(int))
-        alone = statistics.median(self.seconds(self.parameters.part(slice(row, row + 1))) for row in some)
-        return Timing(tuple(seconds / self.calls / size for seconds in self.spent), alone, self.first_call)
+        runs = tuple(seconds / self.calls / self.parameters.size for seconds in self.spent)
+        return Timing(runs, statistics.median(self.singles()), self.first_call)
+
+    def singles(self) -> list[float]:
+        """Some scenarios solved alone, fewer where one takes long."""
+        taken: list[float] = []
+        for row in np.unique(np.linspace(0, self.parameters.size - 1, ALONE).astype(int)):
+            if sum(taken) < ENOUGH:
+                taken.append(self.seconds(self.parameters.part(slice(row, row + 1))))
+        return taken

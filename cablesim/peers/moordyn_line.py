@@ -108,7 +108,7 @@ def run(line: Parameters, options: Options) -> Forces:
     return Forces(motion.time[1:], np.array(top) - inertia, np.array(anchor))
 
 
-def largest_step(line: Parameters, segments: int) -> float:
+def stable_step(line: Parameters, segments: int) -> float:
     """At which the classical Runge-Kutta method is just stable on a line of lumped mass without damping."""
     element = line.length[0] / segments
     return LIMIT * 0.5 * element * math.sqrt(line.mass_per_length[0] / line.linear_stiffness[0])
@@ -116,7 +116,7 @@ def largest_step(line: Parameters, segments: int) -> float:
 
 def _motion(line: Parameters, options: Options) -> Motion:
     end, ramp, omega = line.end_time[0], line.ramp_time[0], 2.0 * math.pi / line.wave_period[0]
-    steps = math.ceil(end / (options.step_share * largest_step(line, options.segments)))
+    steps = math.ceil(end / (options.step_share * stable_step(line, options.segments)))
     time = np.linspace(0.0, end, steps + 1)
     s = np.minimum(time / ramp, 1.0) if ramp > 0.0 else np.ones_like(time)
     rise = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)

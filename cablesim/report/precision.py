@@ -154,7 +154,7 @@ def advice(scene: Scene, dataset: xr.Dataset) -> str:
     for target, words in TARGETS.items():
         best = found.fastest(target)
         choice = f"use {best.name} ({_seconds(best.run_time)} a scenario)" if best else "there is no method here"
-        parts.append(f"for {words} {choice}")
+        parts.append(f"for {words} {choice if target >= found.least_told else 'the reference does not tell'}")
     missing = [one.name for one in found.methods if one.solved == 0]
     without = f" Without an answer: {', '.join(missing)}." if missing else ""
     sentence = ", ".join(parts)
