@@ -48,8 +48,9 @@ def solve(p: Parameters, options: Options) -> Solution:
 def _answer(line: Line, options: Options) -> Answer:
     if line["lay_angle"] or line["heading"] or "depth" in line:
         return None
-    force = shooting(line, options) if "position_B" in line else line["force_A"]
-    last, largest = _integrated(line, force, options.scheme, options.rtol)
+    shot = "position_B" in line
+    force = shooting(line, options) if shot else line["force_A"]
+    last, largest = _integrated(line, force, options.scheme, INNER * options.rtol if shot else options.rtol)
     return {
         "position_B": last[:3],
         "force_A": force,
