@@ -28,6 +28,10 @@ def estimate(scene: Scene) -> str:
         shards = f"{len(plan.placements)} shard(s), about {_duration(work)}"
         lines.append(f"  {method.name} ({method.solver.name}): {solved} to solve in {shards}")
     sizes = [{**method.sizes, "section": scene.sections} for method in scene.methods]
+    if scene.work_precision is not None:
+        timed = len(scene.methods) * scene.work_precision.seconds
+        seconds += timed
+        lines.append(f"  each method timed for up to {scene.work_precision.seconds:g} s: at most about {_duration(timed)}")
     stored = 2 * scene.size * sum(bytes_per_scenario(scene.outputs, own) for own in sizes)
     seconds += stored * SECONDS_PER_BYTE
     lines.append(f"  in all about {_duration(seconds)} on one core, at most {_size(stored)} on disk")
