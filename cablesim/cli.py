@@ -228,13 +228,14 @@ def step_sample(scene: Path, results: Path) -> None:
 
 @step.command("solve")
 @click.argument("plan", type=click.Path(path_type=Path))
-@click.argument("shard")
-@click.argument("out", type=click.Path(path_type=Path))
-def step_solve(plan: Path, shard: str, out: Path) -> None:
-    """Compute one SHARD of a PLAN into the file OUT."""
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("shards", nargs=-1, required=True)
+@click.option("--stamp", type=click.Path(path_type=Path), help="A file to write when all are there.")
+def step_solve(plan: Path, folder: Path, shards: tuple[str, ...], stamp: Path | None) -> None:
+    """Compute SHARDS of a PLAN into FOLDER; those that are there are kept."""
     from cablesim import steps
 
-    steps.solve(plan, shard, out)
+    steps.solve(plan, shards, folder, stamp)
 
 
 @step.command("measure")

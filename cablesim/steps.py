@@ -12,7 +12,7 @@ from pathlib import Path
 
 from cablesim.config.scene import Scene
 from cablesim.errors import InputError
-from cablesim.files import ledger, written_whole
+from cablesim.files import ledger, write_text
 from cablesim.plan import ScenePlan, plan_digest, plan_scene, read_plan
 from cablesim.sources import code_digest
 from cablesim.study import Layout
@@ -25,14 +25,20 @@ def sample(scene: Scene, layout: Layout) -> ScenePlan:
     return plan_scene(scene, layout.plans)
 
 
-def solve(plan_path: Path, shard: str, out: Path) -> None:
-    """Compute one shard of a plan."""
+def solve(plan_path: Path, shards: tuple[str, ...], folder: Path, stamp: Path | None = None) -> None:
+    """Compute shards of a plan; those that are in the folder already are kept. The stamp says that all are there."""
     from cablesim.database.shard_file import solve_recipe, write_shard
 
     recipes = read_plan(plan_path).recipes
-    if shard not in recipes:
-        raise InputError(f"{plan_path}: no shard '{shard}' in this plan")
-    write_shard(out, recipes[shard], solve_recipe(recipes[shard]))
+    for shard in shards:
+        if shard not in recipes:
+            raise InputError(f"{plan_path}: no shard '{shard}' in this plan")
+    for shard in shards:
+        out = folder / f"{shard}.nc"
+        if not (out.exists() and ledger(out).exists()):
+            write_shard(out, recipes[shard], solve_recipe(recipes[shard]))
+    if stamp is not None:
+        write_text(stamp, "")
 
 
 def measure(scene: Scene, layout: Layout, import_seconds: float) -> None:
@@ -113,9 +119,7 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> ScenePlan:
     folder = layout.shards(scene.name)
     for done, shard in enumerate(plan.recipes):
         progress("solve", done, len(plan.recipes))
-        out = folder / f"{shard}.nc"
-        if not (out.exists() and ledger(out).exists()):
-            solve(layout.plan(plan), shard, out)
+        solve(layout.plan(plan), (shard,), folder)
     timings = timings_path(scene, layout)
     if timings and not timings.exists():
         progress("measure", 0, 1)
@@ -136,8 +140,7 @@ def run_step(name: str, scene: Scene, layout: Layout, stamp: Path | None = None)
         old.unlink(missing_ok=True)
     SCENE_STEPS[name](scene, layout)
     if stamp is not None:
-        with written_whole(stamp) as temporary:
-            temporary.touch()
+        write_text(stamp, "")
 
 
 def revision() -> str:

@@ -3,6 +3,7 @@
 import hashlib
 import sys
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
@@ -53,10 +54,23 @@ class PlannedScene:
         return str(self.layout.dataset(self.name))
 
     @property
-    def shards(self) -> list[str]:
-        """Every shard with its ledger."""
-        paths = [self.layout.shards(self.name) / f"{digest}.nc" for digest in self.shard_plan.recipes]
-        return [str(path) for shard in paths for path in (shard, ledger(shard))]
+    def shards(self) -> str:
+        """The folder of its shards."""
+        return str(self.layout.shards(self.name))
+
+    @cached_property
+    def bundles(self) -> dict[str, tuple[str, ...]]:
+        """The shards that one job computes, by the name of the bundle."""
+        return self.shard_plan.bundles
+
+    @property
+    def solved(self) -> list[str]:
+        """The stamps that say that all shards are there."""
+        return [str(self.bundle_stamp(bundle)) for bundle in self.bundles]
+
+    def bundle_stamp(self, bundle: str) -> Path:
+        """The stamp of a bundle of shards."""
+        return self.layout.stamp(self.name, "solve", bundle)
 
     @property
     def timings(self) -> list[str]:
@@ -95,6 +109,10 @@ def plan_study(config: Path | str) -> PlannedStudy:
 def _forget_lost_files(scene: PlannedScene) -> None:
     """A stamp vouches for files; where they are gone, it goes too, so that they are made again."""
     layout, name = scene.layout, scene.name
+    for bundle, shards in scene.bundles.items():
+        paths = [layout.shards(name) / f"{shard}.nc" for shard in shards]
+        if not all(path.is_file() and ledger(path).is_file() for path in paths):
+            scene.bundle_stamp(bundle).unlink(missing_ok=True)
     found = {
         "collect": [layout.dataset(name)],
         "summarise": [layout.tables / f"{name}_status.csv"],

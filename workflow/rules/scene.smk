@@ -24,7 +24,7 @@ for scene in study.scenes:
         name:
             f"collect_{scene.name}"
         input:
-            ancient(scene.shards + scene.timings),
+            ancient(scene.solved + scene.timings),
         output:
             dataset=scene.dataset,
             stamp=scene.stamp("collect"),
