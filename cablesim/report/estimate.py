@@ -3,8 +3,8 @@
 import math
 
 from cablesim.config.scene import Scene
-from cablesim.quantities import bytes_per_scenario
 from cablesim.plan import ScenePlan
+from cablesim.quantities import bytes_per_scenario
 from cablesim.shards import plan_methods
 
 # Measured: a lean job starts in about a second, collecting, tables and figures take a few more for each scene.

@@ -664,7 +664,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "a negative tolerance": (("compare", "tables", "tables", "--tolerance", "-1"), ("tolerance", "-1")),
     "a tolerance that is not a number": (("compare", "tables", "tables", "--tolerance", "nan"), ("tolerance", "nan")),
     "a step of a scene that is not there": (("step", "sample", "nothing.yaml", "results"), ("nothing.yaml",)),
-    "a step of a plan that is not there": (("step", "solve", "nothing.npz", "abc", "out.nc"), ("nothing.npz",)),
+    "a step of a plan that is not there": (("step", "solve", "nothing.npz", "shards", "abc"), ("nothing.npz",)),
     "a step of an unknown kind": (("step", "colect", "good.yaml", "results"), ("colect", "collect")),
 }
 
@@ -910,7 +910,7 @@ def test_a_query_is_refused_that_has(
 def test_a_step_is_refused_for_a_shard_that_is_not_in_the_plan(in_study: Path, ask: Ask) -> None:
     plan = next(Path("results", "plans").iterdir())
     before = tree(in_study)
-    assert_refused(ask("step", "solve", plan, "0" * 24, "out.nc"), str(plan), "0" * 24)
+    assert_refused(ask("step", "solve", plan, "shards", "0" * 24), str(plan), "0" * 24)
     assert tree(in_study) == before
 
 
