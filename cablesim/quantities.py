@@ -331,6 +331,29 @@ TABLE = (
         ("phase", "node", "component"),
     ),
     Quantity("snapshot_tension", "T", "N", "tension along the line through the last period", ("phase", "node")),
+    # what vibrations of a moored line answer
+    Quantity(
+        "lowest_frequency", r"\omega_1", "rad s-1", "lowest angular frequency of the discrete line about its rest"
+    ),
+    Quantity(
+        "highest_frequency",
+        r"\omega_{\max}",
+        "rad s-1",
+        "highest angular frequency of the discrete line about its rest",
+    ),
+    Quantity(
+        "frequency_ratio",
+        r"\omega_{\max} / \omega",
+        "1",
+        "highest angular frequency of the discrete line over that of the waves: how stiff the problem is in time",
+    ),
+    Quantity(
+        "stable_step_limit",
+        r"h_{\max}",
+        "s",
+        "longest time step of an explicit method that is stable in the fastest vibration, by linear theory",
+    ),
+    Quantity("stable_step", "h_s", "s", "longest time step with which a slightly disturbed line stayed near its rest"),
     # what every solver can tell of its work
     Quantity("iterations", "n", "1", "iterations taken by the method; 0 for a closed formula"),
     Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard or of its timed runs"),

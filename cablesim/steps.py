@@ -88,6 +88,10 @@ def summarise(scene: Scene, layout: Layout) -> None:
             tables.status_table(dataset),
             f"{scene.title}: scenarios by their fate, and measured seconds for each",
         ),
+        "effort": (
+            tables.effort_table(dataset),
+            f"{scene.title}: effort, and what is left over, of the scenarios that were solved",
+        ),
         "orders": (order_table(scene, dataset), f"{scene.title}: measured orders of the methods"),
         "audit": (audit_table(scene, dataset), f"{scene.title}: printed values beside ours"),
         "work_precision": (precision_table(scene, dataset), precision_caption(scene, dataset)),

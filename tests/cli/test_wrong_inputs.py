@@ -66,6 +66,11 @@ def relief(*phrases: str, design="{grid: {length_ratio: [1.1, 1.2], rise: [0, 0.
     return scene(design=design, figures={"look": {key: v for key, v in look.items() if v is not None}}), phrases
 
 
+def fates(*phrases: str, design="{grid: {length_ratio: [1.1, 1.2], rise: [0, 0.1]}}", **settings: object) -> Case:
+    look = {"kind": "status_map", "x": "length_ratio", "y": "rise", **settings}
+    return scene(design=design, figures={"look": {key: v for key, v in look.items() if v is not None}}), phrases
+
+
 def profiles(*phrases: str, outputs: str = "[sag, profile]", **settings: object) -> Case:
     return scene(outputs=outputs, figures={"look": {"kind": "profiles", **settings}}), phrases
 
@@ -361,6 +366,15 @@ FIGURES = {
         ),
         ("figures.look.y", "length_ratio and rise", "each"),
     ),
+    "a map of statuses of one axis": fates("figures.look.y", "both sides", y="2 * length_ratio"),
+    "a map of statuses over a constant": fates("figures.look.y", "a side of a map varies along one axis", y="span"),
+    "a map of statuses over an answer": fates("figures.look.x", "a side of a map varies along one axis", x="sag"),
+    "a map of statuses that vary along a third axis": fates("figures.look", "length_ratio", "point", x="rise", y=None),
+    "a map of statuses on an unknown scale": fates("figures.look.log", "all", log="all"),
+    "a map of statuses with a logarithmic side that is none": fates(
+        "figures.look.log", "y", y=None, log="y", point={"rise": 0}
+    ),
+    "a map of statuses of an unknown method": fates("figures.look.methods", "cubic", methods=["cubic"]),
     "a map of one axis": relief("figures.look", design="{grid: {length_ratio: [1.1, 1.2]}}", y="span"),
     "a map over twice the same axis": relief("figures.look", y="length_ratio"),
     "a map over constants": relief("figures.look", x="1", y="2"),
