@@ -21,13 +21,18 @@ Energy that does not balance ends in `not_converged`, and so does a fixed `time_
 stable one. Gear's formulas of an order above 2 are unstable in vibrations along the line that nothing damps, Adams'
 with long steps: ask for `max_order: 2`, and for lumped mass, which makes a narrow band of their matrix.
 
-End tensions are the forces on the end points. Tensions are recorded over the last five whole periods.
+End tensions are the forces on the end points. Tensions are recorded over the last five whole periods. Explicit methods
+take at most `stable_part` of their longest stable step.
 
 Where not to rely on it. A line that is jerked taut rings in waves as short as the elements unless it has internal
-damping: peaks then still depend on the mesh and on `rtol`; ask for `mesh_check` and `time_check`. Elements carry no
-bending and no torsion. A softening law is left (`out_of_domain`) where the strain passes its greatest tension, and
-lines that need more than that at rest have no solution (`infeasible`). A scenario that is given up after `most_seconds`
-may be solved by a faster machine.
+damping: peaks then still depend on the mesh and on `rtol`. Ask for `mesh_check` and `time_check`, which tell how much
+largest tensions change with half as long elements and a tenth of `rtol`, and look at `period_spread`, which tells how
+different the last periods are: the peaks of a line that snaps irregularly are known no better than that, and a change
+may be small by chance. A peak is seldom further off than five times the larger of the two and ten times `rtol`.
+
+Elements carry no bending and no torsion. A softening law is left (`out_of_domain`) where the strain passes its greatest
+tension, and lines that need more than that at rest have no solution (`infeasible`). A scenario that is given up after
+`most_seconds` may be solved by a faster machine.
 
 Reference: Investigation of the influence of nonlinear elastic properties of the material on the dynamics of submarine
 cable systems (in Ukrainian), eqs. (1)-(8).
@@ -60,6 +65,7 @@ OUTPUTS = (
     "snap_count",
     "max_strain",
     "energy_error",
+    "period_spread",
     "steps",
     "rejected_steps",
     "rhs_evaluations",
@@ -125,8 +131,8 @@ class MovedLine:
     still: _wave_static.StaticLines
     supports: Array
     marched: Marched
-    finer_top_tension: Array
-    closer_top_tension: Array
+    finer_peaks: Array
+    closer_peaks: Array
 
     def __getattr__(self, name: str) -> Array:
         kind, _, place = name.removesuffix("_tension").partition("_")
@@ -161,6 +167,10 @@ class MovedLine:
         return self.records.line[:, 3]
 
     @property
+    def period_spread(self) -> Array:
+        return self.records.line[:, 4]
+
+    @property
     def steps(self) -> Array:
         return self.marched.steps
 
@@ -174,16 +184,16 @@ class MovedLine:
 
     @property
     def mesh_change(self) -> Array:
-        return np.abs(self.finer_top_tension / self.records.ends[:, 2, 0] - 1.0)
+        return largest_change(self.records.peaks, self.finer_peaks)
 
     @property
     def time_change(self) -> Array:
-        return np.abs(self.closer_top_tension / self.records.ends[:, 2, 0] - 1.0)
+        return largest_change(self.records.peaks, self.closer_peaks)
 
     @property
     def richardson_top_tension(self) -> Array:
         """Errors of a mesh go with the square of its elements' length."""
-        return self.finer_top_tension + (self.finer_top_tension - self.records.ends[:, 2, 0]) / 3.0
+        return self.finer_peaks[:, 2] + (self.finer_peaks[:, 2] - self.records.peaks[:, 2]) / 3.0
 
     @property
     def profile(self) -> Array:
@@ -271,7 +281,7 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
     marched = march(p, problem, able, options, samples, phases)
     status[(status == Status.ok) & (marched.fate == BEYOND_LAW)] = Status.out_of_domain
     status[(status == Status.ok) & (marched.fate != SOLVED)] = Status.not_converged
-    finer = closer = np.full(p.size, np.nan)
+    finer = closer = np.full((p.size, len(PLACES)), np.nan)
     able = np.flatnonzero(status == Status.ok)
     if options.mesh_check == "yes":
         twice = p.equilibrium(2 * options.segments)
@@ -284,8 +294,14 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
 
 
 def checked(p: Parameters, problem: Problem, able: np.ndarray, options: Options, status: np.ndarray) -> Array:
-    """Largest tension at the top of lines marched again; the answer of those that cannot be is taken back."""
+    """Largest tensions (scenario, place) of lines marched again; the answer of those that cannot be is taken back."""
     found = march(p, problem, able, options, 0, 0)
-    top = np.where(found.fate == SOLVED, found.records.ends[:, 2, 0], np.nan)
-    status[(status == Status.ok) & np.isnan(top)] = Status.not_converged
-    return top
+    peaks = np.where((found.fate == SOLVED)[:, None], found.records.peaks, np.nan)
+    status[(status == Status.ok) & np.isnan(peaks[:, 0])] = Status.not_converged
+    return peaks
+
+
+def largest_change(peaks: Array, others: Array) -> Array:
+    """Largest change of largest tensions (scenario, place), over the largest of all; 0 of a line without tension."""
+    change, largest = np.abs(others - peaks).max(axis=1), peaks.max(axis=1)
+    return np.divide(change, largest, out=np.zeros_like(change), where=change != 0.0)
