@@ -32,6 +32,7 @@ references: .venv/test  ## Recompute the high-precision references of the tests.
 	$(BIN)/python tests/reference/make_stream_references.py
 	$(BIN)/python tests/reference/make_strength_references.py
 	$(BIN)/python tests/reference/make_wave_references.py
+	$(BIN)/python tests/reference/make_precision_references.py
 
 lock:  ## Resolve the dependencies anew (needs uv).
 	uv pip compile --quiet --universal --generate-hashes --no-header --extra build \

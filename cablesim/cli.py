@@ -7,6 +7,7 @@ import os
 import sys
 import traceback
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -35,11 +36,14 @@ def cli() -> None:
 @cli.command()
 def solvers() -> None:
     """List the solvers."""
-    from cablesim.solver import solver_names, summary
+    from cablesim.solver import peer_names, solver_names, summary
 
-    names = solver_names()
-    width = max(map(len, names))
+    names, peers = solver_names(), peer_names()
+    width = max(map(len, [*names, *peers]))
     for name in names:
+        click.echo(f"{name:<{width}}  {summary(name)}")
+    click.echo("\nOther people's programs, to compare with:")
+    for name in peers:
         click.echo(f"{name:<{width}}  {summary(name)}")
 
 
@@ -176,6 +180,33 @@ def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
     return EXIT_FLAGGED if differs else 0
 
 
+@cli.command()
+@click.argument("solvers", nargs=-1)
+@click.option("--scenarios", default=10_000, show_default=True, help="In all; costly solvers get fewer of them.")
+@click.option("--seed", default=1, show_default=True)
+@click.option("--part", default="0/1", show_default=True, help="Only this part of the scenarios, as in 2/8.")
+@click.option("--write", type=click.Path(path_type=Path), help="Write the table to this CSV file, too.")
+def hunt(solvers: tuple[str, ...], scenarios: int, seed: int, part: str, write: Path | None) -> int:
+    """Hunt for answers of SOLVERS (all of them) that are wrong without saying so; each is told with its command."""
+    from cablesim.files import write_text
+    from cablesim.hunt._hunt import hunt
+    from cablesim.report.hunted import hunted_table
+
+    if scenarios < 1 or seed < 0:
+        raise InputError("--scenarios must be at least 1 and --seed at least 0")
+    found = []
+    for one in hunt(solvers, scenarios, seed, _part(part)):
+        found.append(one)
+        for wrong in one.told:
+            click.echo(f"wrong: {wrong.judge} missed by {wrong.miss:.2g} times what is allowed\n  {wrong.command}")
+        click.echo(f"{one.solver}: {one.scenarios} scenarios, {one.wrong} wrong", err=True)
+    table = hunted_table(found)
+    click.echo(table.to_markdown(index=False, disable_numparse=True))
+    if write is not None:
+        write_text(write, table.to_csv(index=False, lineterminator="\n"))
+    return EXIT_FLAGGED if any(one.wrong for one in found) else 0
+
+
 @cli.group()
 def step() -> None:
     """The steps of the workflow, as the rules call them."""
@@ -204,6 +235,22 @@ def step_solve(plan: Path, shard: str, out: Path) -> None:
     from cablesim import steps
 
     steps.solve(plan, shard, out)
+
+
+@step.command("measure")
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.argument("results", type=click.Path(path_type=Path))
+def step_measure(scene: Path, results: Path) -> None:
+    """Time the methods of a SCENE on one thread."""
+    # Libraries look at it when they are imported.
+    os.environ["OMP_NUM_THREADS"] = "1"
+    start = perf_counter()
+    from cablesim import steps
+    from cablesim.config.scene import read_scene
+    from cablesim.study import Layout
+
+    read = read_scene(scene)
+    steps.measure(read, Layout(results), perf_counter() - start)
 
 
 def _scene_step(name: str, help_text: str) -> None:
@@ -276,6 +323,13 @@ def _pairs(texts: tuple[str, ...]) -> dict[str, str]:
             raise InputError(f"'{name.strip()}' is given twice")
         pairs[name.strip()] = value.strip()
     return pairs
+
+
+def _part(text: str) -> tuple[int, int]:
+    number, slash, parts = text.partition("/")
+    if not (slash and number.isdigit() and parts.isdigit() and int(number) < int(parts)):
+        raise InputError(f"--part must be like 0/4, the number of a part and how many there are, not '{text[:20]}'")
+    return int(number), int(parts)
 
 
 def _names(text: str | None) -> tuple[str, ...]:

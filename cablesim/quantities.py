@@ -344,7 +344,12 @@ TABLE = (
     Quantity("snapshot_tension", "T", "N", "tension along the line through the last period", ("phase", "node")),
     # what every solver can tell of its work
     Quantity("iterations", "n", "1", "iterations taken by the method; 0 for a closed formula"),
-    Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard"),
+    Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard or of its timed runs"),
+    Quantity("run_time_lowest", "t_{min}", "s", "shortest of the timed runs, per scenario"),
+    Quantity("run_time_highest", "t_{max}", "s", "longest of the timed runs, per scenario"),
+    Quantity("run_time_alone", "t_1", "s", "wall time of one scenario solved alone, median of some"),
+    Quantity("first_call_time", "t_0", "s", "wall time of the first call, which loads or compiles its machine code"),
+    Quantity("repeats", "n", "1", "timed runs"),
 )
 
 

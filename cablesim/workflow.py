@@ -9,13 +9,20 @@ from cablesim.config.scene import Scene
 from cablesim.files import ledger
 from cablesim.plan import ScenePlan
 from cablesim.sources import code_digest
-from cablesim.steps import sample
+from cablesim.steps import sample, timings_path
 from cablesim.study import Layout, read_study
 
 # The modules that write the files of a step: editing them, or what they import, makes these files out of date.
 STEP_MODULES = {
     "collect": ("database/collect",),
-    "summarise": ("database/collect", "report/tables", "report/audit", "report/orders", "report/printed"),
+    "summarise": (
+        "database/collect",
+        "report/tables",
+        "report/audit",
+        "report/orders",
+        "report/printed",
+        "report/precision",
+    ),
     "figures": ("database/collect", "report/figures"),
 }
 STEP_PARTS = ("database", "report", "expressions", "units", "quantities", "status")
@@ -51,9 +58,15 @@ class PlannedScene:
         paths = [self.layout.shards(self.name) / f"{digest}.nc" for digest in self.shard_plan.recipes]
         return [str(path) for shard in paths for path in (shard, ledger(shard))]
 
+    @property
+    def timings(self) -> list[str]:
+        """The file of measured run times, where the scene asks for them."""
+        path = timings_path(self.scene, self.layout)
+        return [str(path)] if path else []
+
     def stamp(self, step: str) -> str:
         """The stamp of a step, named by the plan and by the code that leads to its files."""
-        content = f"{self.shard_plan.digest} {code_digest(STEP_MODULES[step], STEP_PARTS)}"
+        content = f"{self.shard_plan.digest} {' '.join(self.timings)} {code_digest(STEP_MODULES[step], STEP_PARTS)}"
         return str(self.layout.stamp(self.name, step, hashlib.sha256(content.encode()).hexdigest()[:16]))
 
 

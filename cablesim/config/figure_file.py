@@ -59,6 +59,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
         "snapshots": read_snapshots,
         "convergence": _read_convergence,
         "audit": _read_audit,
+        "work_precision": _read_work_precision,
     }
     figures = []
     for name, entry in node.named_entries().items():
@@ -206,6 +207,15 @@ def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:
     if not stage.audited:
         node.fail("a figure of an audit needs a published table")
     return {}
+
+
+def _read_work_precision(node: Node, stage: Stage) -> dict[str, Any]:
+    """Methods that differ in one option alone are joined; where they make a net, `join` says along which option."""
+    keys = node.mapping(("kind",), ("join",))
+    if not stage.timed:
+        node.fail("a figure of error against run time needs the scene's work_precision")
+    options = tuple(dict.fromkeys(series.option for series in find_series(stage.methods, stage.reference)))
+    return {"join": keys["join"].choice(options) if "join" in keys else None}
 
 
 def _number(node: Node, stage: Stage) -> tuple[str, set[str]]:

@@ -23,13 +23,14 @@ class Shape:
 
 @dataclass(frozen=True)
 class Stage:
-    """What figures are checked against: names, methods, reference method, printed points, and whether it is audited."""
+    """What figures are checked against: names, methods, reference, printed points; is it audited, is it timed."""
 
     names: Rehearsal
     methods: tuple[Method, ...]
     reference: str | None
     points: Table | None
     audited: bool
+    timed: bool
 
 
 class Panel(NamedTuple):

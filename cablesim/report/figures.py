@@ -22,6 +22,7 @@ from cablesim.report.drawing import DASHES, PALETTE, STYLE, draw_points, headlin
 from cablesim.report.histories import draw_history
 from cablesim.report.orbits import draw_orbit
 from cablesim.report.orders import convergences
+from cablesim.report.precision_figure import draw_work_precision
 from cablesim.report.shapes import draw_profiles, draw_spatial
 from cablesim.report.snapshots import draw_snapshots
 
@@ -46,6 +47,7 @@ def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
         "spatial": draw_spatial,
         "history": draw_history,
         "orbit": draw_orbit,
+        "work_precision": draw_work_precision,
         "snapshots": draw_snapshots,
         "convergence": _convergence,
         "audit": _audit,

@@ -8,6 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.config.scene import Reference, Scene
+from cablesim.database.collect import RUN_TIME, TIMED
 from cablesim.database.reading import magnitude, of_method, running_numbers, status_words, with_components, written
 from cablesim.files import write_text
 from cablesim.quantities import SHORT, quantity
@@ -29,7 +30,7 @@ def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
     dataset = with_components(dataset)
     stored = [name for name in scene.outputs if quantity(name).dims in SHORT]
     for output in scene.reference.columns or stored:
-        reference = _reference_values(scene.reference, dataset, output)
+        reference = reference_values(scene.reference, dataset, output)
         for method in scene.methods:
             if method.name == scene.reference.method:
                 continue
@@ -60,7 +61,7 @@ def value_table(dataset: xr.Dataset) -> pd.DataFrame:
 
 def _scalars(dataset: xr.Dataset) -> list[str]:
     """The outputs that are one number per scenario."""
-    others = ("status", "iterations", "run_time")
+    others = {"status", "iterations", RUN_TIME, *TIMED}
     return [str(n) for n in dataset.data_vars if n not in others and dataset[n].dims == dataset.status.dims]
 
 
@@ -101,7 +102,8 @@ def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> N
     write_text(markdown, f"{caption}\n\n{body}{more}\n")
 
 
-def _reference_values(reference: Reference, dataset: xr.Dataset, output: str) -> xr.DataArray:
+def reference_values(reference: Reference, dataset: xr.Dataset, output: str) -> xr.DataArray:
+    """What an output is measured against, by scenario."""
     if reference.table is None:
         return of_method(dataset[output], str(reference.method))
     values = reference.table.evaluate(reference.columns[output], quantity(output).unit)

@@ -15,7 +15,7 @@ import xarray as xr
 
 from cablesim.batch import default_outputs
 from cablesim.plan import read_plan
-from cablesim.solver import load_solver, solver_names
+from cablesim.solver import load_solver, peer_names, solver_names
 from tests.cli.helpers import Answer, scene, tree
 
 Ask = Callable[..., Answer]
@@ -56,12 +56,14 @@ def test_the_version_is_one_line(ask: Ask) -> None:
 def test_solvers_lists_each_with_a_sentence(ask: Ask) -> None:
     answer = ask("solvers")
     assert (answer.code, answer.err) == (0, "")
-    listed = dict(line.split(maxsplit=1) for line in answer.text.splitlines())
-    assert list(listed) == solver_names()
-    assert all(sentence.strip() for sentence in listed.values())
+    ours, (_, *theirs) = (lines.splitlines() for lines in answer.text.strip().split("\n\n"))
+    for lines, names in ((ours, solver_names()), (theirs, peer_names())):
+        listed = dict(line.split(maxsplit=1) for line in lines)
+        assert list(listed) == names
+        assert all(sentence.strip() for sentence in listed.values())
 
 
-@pytest.mark.parametrize("solver", solver_names())
+@pytest.mark.parametrize("solver", [*solver_names(), *peer_names()])
 def test_describe_gives_theory_parameters_options_and_outputs(solver: str, ask: Ask) -> None:
     answer = ask("describe", solver)
     assert (answer.code, answer.err) == (0, "")
