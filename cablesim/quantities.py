@@ -300,13 +300,14 @@ TABLE = (
         "mesh_change",
         "e_h",
         "1",
-        "largest change of the largest tensions if all elements are halved, over the largest of all",
+        "largest change of the largest, least and mean tensions if all elements are halved, over the largest of all",
     ),
     Quantity(
         "time_change",
         "e_t",
         "1",
-        "largest change of the largest tensions if time is marched ten times as accurately, over the largest of all",
+        "largest change of the largest, least and mean tensions if time is marched ten times as accurately, "
+        "over the largest of all",
     ),
     Quantity(
         "richardson_top_tension", r"T_{B,h \to 0}", "N", "largest top tension, extrapolated to elements of no length"

@@ -34,11 +34,22 @@ UNITS = {
 }
 
 
+# What is not given.
+STANDARD = {
+    "wave_height": 0.0,
+    "heading": 0.0,
+    "stream_speed": 0.0,
+    "stiffness_ratio": 0.0,
+    "added_mass_per_length": 0.0,
+    "fluid_density": DENSITY,
+}
+
+
 def log_uniform(rng: np.random.Generator, low: float, high: float, size: int) -> Array:
     return np.exp(rng.uniform(np.log(low), np.log(high), size))
 
 
-def sometimes(rng: np.random.Generator, share: float, values: Array, otherwise: float = 0.0) -> Array:
+def sometimes(rng: np.random.Generator, share: float, values: Array, otherwise: Array | float = 0.0) -> Array:
     """The values in a share of the places."""
     return np.where(rng.random(values.size) < share, values, otherwise)
 
@@ -205,6 +216,13 @@ CORNERS: tuple[Callable[[Lines, np.random.Generator], Lines], ...] = (
     _tossed,
     _in_other_units,
 )
+
+
+def given_or_standard(line: Lines) -> Lines:
+    """Parameters by name, one number a scenario, with those that are not given."""
+    period = line["wave_period"]
+    times = {"duration": 12.0 * period, "ramp": 2.0 * period}
+    return {name: np.broadcast_to(value, period.shape) for name, value in (STANDARD | times | line).items()}
 
 
 def scaled(line: Lines, length: Any, time: Any, mass: Any) -> Lines:

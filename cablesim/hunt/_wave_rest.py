@@ -11,7 +11,7 @@ import numpy as np
 
 from cablesim.batch import Results
 from cablesim.hunt._case import Case
-from cablesim.hunt._wave_lines import DENSITY
+from cablesim.hunt._wave_lines import given_or_standard
 from cablesim.numerics import Array
 from cablesim.physics.waves import GRAVITY
 
@@ -111,10 +111,7 @@ def at_rest(case: Case) -> Rest:
     """Lines before they are moved; NaN is what is not known of those that are not solved."""
     period = case.parameters["wave_period"]
     found = case.solve(OUTPUTS, duration=MOMENT * period)
-    size = period.size
-    standard = {"heading": 0.0, "stream_speed": 0.0, "stiffness_ratio": 0.0, "fluid_density": DENSITY}
-    given = {name: np.broadcast_to(value, size) for name, value in (standard | case.parameters).items()}
-    return Rest(given, found.outputs)
+    return Rest(given_or_standard(case.parameters), found.outputs)
 
 
 def over(values: Array, allowed: Array) -> Array:

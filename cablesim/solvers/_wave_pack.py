@@ -149,11 +149,6 @@ class Records(NamedTuple):
     shapes: np.ndarray
     pulls: np.ndarray
 
-    @property
-    def peaks(self) -> Array:
-        """Largest tensions (scenario, place)."""
-        return self.ends[:, :, 0]
-
 
 class Pack(NamedTuple):
     """Flat arrays, the lane last."""

@@ -53,8 +53,8 @@ from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-PLACES = ("anchor", "middle", "top")
-TENSIONS = tuple(f"{kind}_{place}_tension" for place in PLACES for kind in ("max", "min", "mean", "static"))
+PLACES, KINDS = ("anchor", "middle", "top"), ("max", "min", "mean")
+TENSIONS = tuple(f"{kind}_{place}_tension" for place in PLACES for kind in (*KINDS, "static"))
 HISTORIES = ("history", "history_time")
 SHAPES = ("orbit", "snapshots", "snapshot_tension")
 MESH_CHECK, TIME_CHECK = ("mesh_change", "richardson_top_tension"), ("time_change",)
@@ -131,8 +131,8 @@ class MovedLine:
     still: _wave_static.StaticLines
     supports: Array
     marched: Marched
-    finer_peaks: Array
-    closer_peaks: Array
+    finer: Array
+    closer: Array
 
     def __getattr__(self, name: str) -> Array:
         kind, _, place = name.removesuffix("_tension").partition("_")
@@ -140,7 +140,7 @@ class MovedLine:
             raise AttributeError(name)
         if kind == "static":
             return self.supports[:, PLACES.index(place)]
-        return self.records.ends[:, PLACES.index(place), ("max", "min", "mean").index(kind)]
+        return self.records.ends[:, PLACES.index(place), KINDS.index(kind)]
 
     @property
     def records(self) -> Records:
@@ -184,16 +184,17 @@ class MovedLine:
 
     @property
     def mesh_change(self) -> Array:
-        return largest_change(self.records.peaks, self.finer_peaks)
+        return largest_change(self.records.ends, self.finer)
 
     @property
     def time_change(self) -> Array:
-        return largest_change(self.records.peaks, self.closer_peaks)
+        return largest_change(self.records.ends, self.closer)
 
     @property
     def richardson_top_tension(self) -> Array:
         """Errors of a mesh go with the square of its elements' length."""
-        return self.finer_peaks[:, 2] + (self.finer_peaks[:, 2] - self.records.peaks[:, 2]) / 3.0
+        finer = self.finer[:, PLACES.index("top"), 0]
+        return finer + (finer - self.max_top_tension) / 3.0
 
     @property
     def profile(self) -> Array:
@@ -281,7 +282,7 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
     marched = march(p, problem, able, options, samples, phases)
     status[(status == Status.ok) & (marched.fate == BEYOND_LAW)] = Status.out_of_domain
     status[(status == Status.ok) & (marched.fate != SOLVED)] = Status.not_converged
-    finer = closer = np.full((p.size, len(PLACES)), np.nan)
+    finer = closer = np.full((p.size, len(PLACES), len(KINDS)), np.nan)
     able = np.flatnonzero(status == Status.ok)
     if options.mesh_check == "yes":
         twice = p.equilibrium(2 * options.segments)
@@ -294,14 +295,14 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
 
 
 def checked(p: Parameters, problem: Problem, able: np.ndarray, options: Options, status: np.ndarray) -> Array:
-    """Largest tensions (scenario, place) of lines marched again; the answer of those that cannot be is taken back."""
+    """Tensions (scenario, place, kind) of lines marched again; the answer of those that cannot be is taken back."""
     found = march(p, problem, able, options, 0, 0)
-    peaks = np.where((found.fate == SOLVED)[:, None], found.records.peaks, np.nan)
-    status[(status == Status.ok) & np.isnan(peaks[:, 0])] = Status.not_converged
-    return peaks
+    is_known = found.fate == SOLVED
+    status[(status == Status.ok) & ~is_known] = Status.not_converged
+    return np.where(is_known[:, None, None], found.records.ends, np.nan)
 
 
-def largest_change(peaks: Array, others: Array) -> Array:
-    """Largest change of largest tensions (scenario, place), over the largest of all; 0 of a line without tension."""
-    change, largest = np.abs(others - peaks).max(axis=1), peaks.max(axis=1)
+def largest_change(tensions: Array, others: Array) -> Array:
+    """Largest change of tensions (scenario, place, kind), over the largest of all; 0 of a line without tension."""
+    change, largest = np.abs(others - tensions).max(axis=(1, 2)), tensions.max(axis=(1, 2))
     return np.divide(change, largest, out=np.zeros_like(change), where=change != 0.0)
