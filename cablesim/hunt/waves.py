@@ -44,9 +44,9 @@ EXPLICIT_STEPS, FINER_STEPS = 100_000, 50_000
 MOST_SEGMENTS = 25
 # What a peak may miss: so many of the changes that its result tells of, and so many tolerances.
 CHANGES, TOLERANCES = 5.0, 10.0
-# ... and of a line that goes slack what its elements ring by after snaps, which steps that do not resolve it take away.
-# No method knows better: `rk4` and `leapfrog` differ by more on half of such lines.
-RINGING = 0.02
+# ... and of a line that goes slack, of the root of its error of energy. What numerical damping takes after a snap
+# would ring, and the energy of waves goes as the square of their tension.
+RINGING = 2.0
 
 
 def draw(solver: str, size: int, rng: np.random.Generator) -> list[Case]:
@@ -115,11 +115,11 @@ def once(case: Case) -> Case:
 def told(case: Case, found: Results) -> Array:
     """What tensions may miss by what their result says of itself, over the largest of all.
 
-    The tensions of a line that snaps are as uncertain as its periods are different.
+    The tensions of a line that snaps are as uncertain as its periods are different, and as what is damped would ring.
     """
     change = np.maximum(found.outputs["time_change"], irregularity(found))
-    ringing = np.where(found.outputs["slack_fraction"] > 0.0, RINGING, 0.0)
-    return CHANGES * change + np.maximum(TOLERANCES * case.options["rtol"], ringing)
+    ringing = np.where(found.outputs["slack_fraction"] > 0.0, np.sqrt(found.outputs["energy_error"]), 0.0)
+    return CHANGES * change + RINGING * ringing + TOLERANCES * case.options["rtol"]
 
 
 def irregularity(found: Results) -> Array:

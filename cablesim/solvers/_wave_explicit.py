@@ -90,29 +90,27 @@ from cablesim.solvers._wave_record import (
 )
 from cablesim.solvers._wave_step import find_fluid, step_to_meet
 
-# Part of the longest stable step that leapfrog takes while a line has been slack lately: where elements slacken and
-# snap, its energy grows with steps well below the limit for vibrations (peaks 3 times too large at 0.7 of it, 3 % at
-# 0.35).
+# Part of the longest stable step that is taken.
+SAFETY = 0.9
+# Part of it that leapfrog takes while a line has been slack lately: where elements slacken and snap, its energy grows
+# with steps well below the limit for vibrations (peaks 3 times too large at 0.7 of it, 3 % at 0.35).
 SLACK_SHARE, SLACK_FOR = 0.4, 0.5
 # A part of a period that is as good as none.
 SAME_TIME = 1e-9
 
 
 def leapfrog(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
-    return march_all(march, problem, has_waves, options, records, True, options.stable_part)
+    return march_all(march, problem, has_waves, options, records, True)
 
 
 def rk4(problem: Problem, has_waves: bool, options: Any, records: Records) -> Marched:
-    return march_all(march, problem, has_waves, options, records, False, options.stable_part)
+    return march_all(march, problem, has_waves, options, records, False)
 
 
 @compiled
-def march(problem, has_waves, limits, clock, records, fates, first, stride, width, is_leapfrog, part):
-    """March every `stride`th scenario from `first` on, `width` at a time: see `march_all`.
-
-    Steps are at most so large a part of the longest stable one.
-    """
-    rtol, fixed, most_steps, most_seconds = limits
+def march(problem, has_waves, limits, clock, records, fates, first, stride, width, is_leapfrog):
+    """March every `stride`th scenario from `first` on, `width` at a time: see `march_all`."""
+    rtol, fixed, part, most_steps, most_seconds = limits
     count = problem.tensions.shape[1]
     pack, tally = make_pack(count), np.zeros(TALLY_ROWS * LANES)
     found, own = np.zeros(FOUND_ROWS * LANES), np.ones(OWN_ROWS * LANES)
@@ -142,7 +140,8 @@ def march(problem, has_waves, limits, clock, records, fates, first, stride, widt
             if pack.lane[SCENARIO * LANES + w] >= 0.0:
                 advance(pack, found, w)
                 longest = longest_step(pack.lane, own, w, is_leapfrog)
-                wanted = min(part * longest, own[WANTED * LANES + w])
+                most = part * min(SAFETY * longest, LONGEST * pack.lane[PERIOD * LANES + w])
+                wanted = min(most, own[WANTED * LANES + w])
                 pack.lane[NEXT_STEP * LANES + w] = fixed if fixed > 0.0 else wanted
                 fate = fate_of(pack, found, w, fixed, longest, most_steps, most_seconds, clock[0])
                 if fate >= 0.0:

@@ -21,14 +21,15 @@ Energy that does not balance ends in `not_converged`, and so does a fixed `time_
 stable one. Gear's formulas of an order above 2 are unstable in vibrations along the line that nothing damps, Adams'
 with long steps: ask for `max_order: 2`, and for lumped mass, which makes a narrow band of their matrix.
 
-End tensions are the forces on the end points. Tensions are recorded over the last five whole periods. Explicit methods
-take at most `stable_part` of their longest stable step.
+End tensions are the forces on the end points. Tensions are recorded over the last five whole periods. A method takes
+at most `step_part` of its longest step, which is a part of the period, and of what is stable.
 
 Where not to rely on it. A line that is jerked taut rings in waves as short as the elements unless it has internal
 damping: peaks then still depend on the mesh and on `rtol`. Ask for `mesh_check` and `time_check`, which tell how much
-largest tensions change with half as long elements and a tenth of `rtol`, and look at `period_spread`, which tells how
-different the last periods are: the peaks of a line that snaps irregularly are known no better than that, and a change
-may be small by chance. A peak is seldom further off than five times the larger of the two and ten times `rtol`.
+tensions change with half as long elements, and with a tenth of `rtol` and half of the longest steps; and look at
+`period_spread`, which tells how different the last periods are: peaks of a line that snaps irregularly are known no
+better than that. Waves that no march resolves are damped in each, and no change tells of them: tensions of a line that
+goes slack are uncertain by some of the root of `energy_error` as well.
 
 Elements carry no bending and no torsion. A softening law is left (`out_of_domain`) where the strain passes its greatest
 tension, and lines that need more than that at rest have no solution (`infeasible`). A scenario that is given up after

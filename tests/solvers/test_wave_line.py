@@ -423,7 +423,7 @@ def test_the_check_of_time_tells_the_error_of_the_steps(line, options):
 def test_the_check_of_time_sees_every_place():
     """This line is jerked, and what rings at its anchor is not felt at its top."""
     loose = moved(SNAPPING, (*TENSIONS, "time_change"), segments=12, rtol=1e-3, time_check="yes")
-    tight = moved(SNAPPING, TENSIONS, segments=12, rtol=1e-4)
+    tight = moved(SNAPPING, TENSIONS, segments=12, rtol=1e-4, step_part=0.5)
     changes = [abs(loose[name] - tight[name]) for name in TENSIONS]
     assert loose["time_change"] == pytest.approx(max(changes) / max(loose[name] for name in TENSIONS), rel=1e-12)
     # A third of it is seen at the top.
@@ -461,6 +461,16 @@ def test_steps_that_stability_bounds_are_checked_by_shorter_ones(method):
     line = CASE | {"length_ratio": 1.01, "linear_stiffness": 1e8}
     found = moved(line, ("time_change",), segments=12, integrator=method, time_check="yes")
     assert found["time_change"] > 1e-3
+
+
+def test_steps_that_the_period_bounds_are_checked_by_shorter_ones():
+    """A long line moved by little: both tolerances let it take the longest steps that there are."""
+    line = CASE | {"depth": 2000.0, "top_amplitude": 0.01, "internal_damping": 1e6}
+    loose, tight = (moved(line, ("steps",), segments=6, rtol=rtol)["steps"] for rtol in (1e-2, 1e-3))
+    assert loose == tight
+    found = moved(line, (*TENSIONS, "time_change"), segments=6, rtol=1e-2, time_check="yes")
+    error = distance(found, moved(line, TENSIONS, segments=6, rtol=1e-6))
+    assert 0.5 * error < found["time_change"] < 2.0 * error
 
 
 def test_a_line_that_cannot_be_checked_is_no_answer(monkeypatch):
