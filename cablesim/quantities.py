@@ -288,14 +288,26 @@ TABLE = (
         "1",
         "error of the balance of energy over the whole run, relative to what was turned over",
     ),
+    Quantity(
+        "period_spread",
+        r"\delta_T",
+        "1",
+        "largest difference between the largest tensions of the last periods at one place, over the largest of all",
+    ),
     Quantity("rejected_steps", "n_r", "1", "integration steps that were tried and repeated with a smaller one"),
     Quantity("rhs_evaluations", "n_f", "1", "how often the forces on the line were computed"),
-    Quantity("mesh_change", "e_h", "1", "relative change of the largest top tension if all elements are halved"),
+    Quantity(
+        "mesh_change",
+        "e_h",
+        "1",
+        "largest change of the largest, least and mean tensions if all elements are halved, over the largest of all",
+    ),
     Quantity(
         "time_change",
         "e_t",
         "1",
-        "relative change of the largest top tension if time is marched ten times as accurately",
+        "largest change of the largest, least and mean tensions if time is marched ten times as accurately, "
+        "over the largest of all",
     ),
     Quantity(
         "richardson_top_tension", r"T_{B,h \to 0}", "N", "largest top tension, extrapolated to elements of no length"
