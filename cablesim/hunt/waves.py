@@ -115,11 +115,13 @@ def once(case: Case) -> Case:
 def told(case: Case, found: Results) -> Array:
     """What tensions may miss by what their result says of itself, over the largest of all.
 
-    The tensions of a line that snaps are as uncertain as its periods are different, and as what is damped would ring.
+    The tensions of a line that snaps are as uncertain as its periods are different, and as what is damped would ring. A
+    change by more than there is says that nothing is known.
     """
     change = np.maximum(found.outputs["time_change"], irregularity(found))
     ringing = np.where(found.outputs["slack_fraction"] > 0.0, np.sqrt(found.outputs["energy_error"]), 0.0)
-    return CHANGES * change + RINGING * ringing + TOLERANCES * case.options["rtol"]
+    allowed = CHANGES * change + RINGING * ringing + TOLERANCES * case.options["rtol"]
+    return np.where(change > 1.0, np.inf, allowed)
 
 
 def irregularity(found: Results) -> Array:

@@ -592,7 +592,7 @@ def test_a_line_does_not_depend_on_its_neighbours_or_the_number_of_threads(metho
 
 
 def test_random_lines_of_every_kind_are_solved_and_lose_no_energy():
-    """A sample of the scenarios that benchmarks/wave_check.py looks at one by one; those of few elements."""
+    """A sample of what `cablesim hunt` judges more closely: those of few elements."""
     line, options = random_scenarios(300, seed=7)
     wanted = ("energy_error", "static_residual", "max_top_tension", "mean_top_tension", "min_top_tension")
     status, energy = [], []
