@@ -20,6 +20,8 @@ SOLVERS = (*CURVES, *FORMULAS, "catenary_limit_ratio")
 WEIGHTS = {"catenary_elastic": 0.5, "catenary_limit_ratio": 0.3}
 # Roundings that a chain of some dozen operations may leave; times the angle, which cosh and sinh multiply.
 OPERATIONS = 16.0
+# Of what has lost more of its digits than leaves three, nothing can be said.
+FEW_DIGITS = 1e-3
 # The part of a line that is solved alone: three eighths, a float that rounds nothing.
 PART, PIECES = 3, 8
 # By what a line is made longer.
@@ -77,7 +79,8 @@ def off_the_formula(name: str, case: Case, found: Results) -> Array:
 def out_of_balance(case: Case, found: Results) -> Array:
     """How far the ends are from where these tensions hold them (M6), with V from T_B^2 - T_A^2 = V_B^2 - V_A^2.
 
-    The tensions are known to some roundings, which leaves V uncertain by T^2 / w L of them.
+    The tensions are known to some roundings, which leaves V uncertain by T^2 / w L of them: of lines that are nearly
+    weightless beside their tension nothing, and they are not judged.
     """
     line = line_of(case)
     horizontal, first, last = (longer(found.outputs[name]) for name in ("horizontal_tension", "tension_A", "tension_B"))
@@ -87,7 +90,8 @@ def out_of_balance(case: Case, found: Results) -> Array:
     unknown = rounding * np.maximum(first, last) ** 2 / weight
     across = rounding * (2.0 * ends.a + line.span + ends.a * ends.angles) + unknown * ends.across_by_force
     up = rounding * (np.abs(line.rise) + line.span + line.length) + unknown * ends.up_by_force
-    return worst(np.abs(ends.across - line.span) / across, np.abs(ends.up - line.rise) / up)
+    misses = worst(np.abs(ends.across - line.span) / across, np.abs(ends.up - line.rise) / up)
+    return np.where(unknown < FEW_DIGITS * np.maximum(first, last), misses, np.nan)
 
 
 def out_of_level_balance(case: Case, found: Results) -> Array:
@@ -140,7 +144,7 @@ def other_alone(case: Case, found: Results) -> Array:
     alone = part.solve(("horizontal_tension",))
     apart = np.abs(alone.outputs["horizontal_tension"] / found.outputs["horizontal_tension"] - 1.0)
     allowed = OPERATIONS * ROUNDING * (1.0 + _angle(found)) * (1.0 + line_of(part).sharpness)
-    return np.where(allowed < 1e-3, np.where(alone.status == Status.ok, apart / allowed, np.inf), np.nan)
+    return np.where(allowed < FEW_DIGITS, np.where(alone.status == Status.ok, apart / allowed, np.inf), np.nan)
 
 
 def tauter_when_longer(case: Case, found: Results) -> Array:
