@@ -17,9 +17,9 @@ STRETCHES = (-12.0, 0.5)
 def hanging_lines(solver: str, size: int, rng: np.random.Generator) -> Case:
     """Lines with a length, or with the ratio of their length to their span."""
     level = solver not in ("catenary_exact", "catenary_elastic")
-    span, weight = (_decades(size, rng, USUAL_SIZES, SIZES) for _ in range(2))
+    span, weight = (decades(size, rng, USUAL_SIZES, SIZES) for _ in range(2))
     slope = np.zeros(size) if level else _slopes(size, rng)
-    chord, slack = np.hypot(1.0, slope), _decades(size, rng, USUAL_SLACKS, SLACKS)
+    chord, slack = np.hypot(1.0, slope), decades(size, rng, USUAL_SLACKS, SLACKS)
     if solver == "catenary_elastic":
         stretched = rng.random(size) < 0.4
         slack = np.where(stretched, -slack / (1.0 + slack), slack)
@@ -31,7 +31,7 @@ def hanging_lines(solver: str, size: int, rng: np.random.Generator) -> Case:
     given |= {"length_ratio": ratio} if rng.random() < 0.5 else {"line_length": ratio * span}
     given |= {} if level else {"rise": slope * span}
     if solver == "catenary_elastic":
-        given["axial_stiffness"] = 0.5 * weight * ratio * span / _decades(size, rng, (-6.0, -1.0), STRAINS)
+        given["axial_stiffness"] = 0.5 * weight * ratio * span / decades(size, rng, (-6.0, -1.0), STRAINS)
     return Case(solver, given, {})
 
 
@@ -40,7 +40,7 @@ def permitted_errors(size: int, rng: np.random.Generator) -> list[Case]:
     cases = []
     for formula in ("parabolic", "series", "handbook"):
         some = size // 3 + (formula == "parabolic") * (size % 3)
-        error = _decades(some, rng, (-3.0, -0.5), (-9.0, 0.3))
+        error = decades(some, rng, (-3.0, -0.5), (-9.0, 0.3))
         cases.append(Case("catenary_limit_ratio", {"permitted_error": error}, {"formula": formula}))
     return [case for case in cases if case.size]
 
@@ -51,6 +51,6 @@ def _slopes(size: int, rng: np.random.Generator) -> Array:
     return np.where(rng.random(size) < 0.2, 0.0, np.where(rng.random(size) < 0.4, rng.normal(size=size), slope))
 
 
-def _decades(size: int, rng: np.random.Generator, usual: tuple[float, float], all_: tuple[float, float]) -> Array:
+def decades(size: int, rng: np.random.Generator, usual: tuple[float, float], all_: tuple[float, float]) -> Array:
     """Powers of ten: half of them of usual size, half of any."""
     return 10.0 ** np.where(rng.random(size) < 0.5, rng.uniform(*usual, size), rng.uniform(*all_, size))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cablesim.hunt._case import Case
-from cablesim.hunt._precise import excess_of_squares, increasing_root, log_sinhc, longer
+from cablesim.hunt._precise import Answer, excess_of_squares, increasing_root, log_sinhc, longer
 from cablesim.numerics import Array
 
 # Instead of nothing where nothing is divided by it, and of the square of the length.
@@ -63,14 +63,6 @@ def half_angle(line: Line) -> Array:
         return np.where(short, whole, rise_2 * np.expm1(vertical) + np.expm1(horizontal) - excess)
 
     return increasing_root(equation, line.span.size)
-
-
-@dataclass(frozen=True)
-class Answer:
-    """A number, and what its error is measured by."""
-
-    value: Array
-    scale: Array
 
 
 def catenary(line: Line) -> tuple[dict[str, Answer], Array]:

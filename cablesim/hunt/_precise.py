@@ -4,17 +4,29 @@ Differences that cancel are taken between fractions, which are exact; the rest i
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 
+from cablesim.batch import Results
 from cablesim.numerics import Array
 
 ROUNDING = float(np.finfo(float).eps)
+# Roundings that a chain of some dozen operations may leave.
+OPERATIONS = 16.0
 # Sixty digits of pi.
 PI = Fraction(3141592653589793238462643383279502884197169399375105820974944, 10**60)
 # Between these lie the logarithms of all roots that are sought; halvings that leave less than a rounding.
 LOWEST, HIGHEST, HALVINGS = -200.0, 9.0, 72
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A number, and what its error is measured by."""
+
+    value: Array
+    scale: Array
 
 
 def longer(values: Array) -> Array:
@@ -60,6 +72,13 @@ def log_sinhc(x: Array) -> Array:
 def worst(*misses: Array) -> Array:
     """The largest of some misses in every scenario."""
     return np.max(np.stack([np.asarray(miss, dtype=float) for miss in misses]), axis=0)
+
+
+def worst_of(found: Results, answers: dict[str, Answer], allowed: Array) -> Array:
+    """The largest miss of all outputs, over what is allowed of the scale of each."""
+    return worst(
+        *(np.abs(v - answers[name].value) / (answers[name].scale * allowed) for name, v in found.outputs.items())
+    )
 
 
 def _fractions(values: Array) -> list[Fraction]:

@@ -9,8 +9,8 @@ from cablesim.batch import Results
 from cablesim.hunt import _anything, _limit_ratio
 from cablesim.hunt._case import Case, Judge
 from cablesim.hunt._hanging_draw import hanging_lines, permitted_errors
-from cablesim.hunt._hanging_reference import Answer, catenary, hung_ends, level_formula, line_of
-from cablesim.hunt._precise import ROUNDING, longer, worst
+from cablesim.hunt._hanging_reference import catenary, hung_ends, level_formula, line_of
+from cablesim.hunt._precise import OPERATIONS, ROUNDING, longer, worst, worst_of
 from cablesim.numerics import Array
 from cablesim.status import Status
 
@@ -18,8 +18,6 @@ CURVES = ("catenary_exact", "catenary_elastic")
 FORMULAS = {f"catenary_{name}": name for name in ("parabolic", "series", "handbook")}
 SOLVERS = (*CURVES, *FORMULAS, "catenary_limit_ratio")
 WEIGHTS = {"catenary_elastic": 0.5, "catenary_limit_ratio": 0.3}
-# Roundings that a chain of some dozen operations may leave; times the angle, which cosh and sinh multiply.
-OPERATIONS = 16.0
 # Of what has lost more of its digits than leaves three, nothing can be said.
 FEW_DIGITS = 1e-3
 # The part of a line that is solved alone: three eighths, a float that rounds nothing.
@@ -67,13 +65,13 @@ def off_the_catenary(case: Case, found: Results) -> Array:
     line = line_of(case)
     answers, angle = catenary(line)
     allowed = OPERATIONS * ROUNDING * (1.0 + angle) + ROUNDING**2 * np.where(line.strain == 0.0, line.sharpness, 0.0)
-    return _worst_of(found, answers, allowed)
+    return worst_of(found, answers, allowed)
 
 
 def off_the_formula(name: str, case: Case, found: Results) -> Array:
     """Of all answers of an approximate formula: how far they are from what is printed, in longer floats."""
     line = line_of(case)
-    return _worst_of(found, level_formula(name, line), OPERATIONS * ROUNDING + ROUNDING**2 * line.sharpness)
+    return worst_of(found, level_formula(name, line), OPERATIONS * ROUNDING + ROUNDING**2 * line.sharpness)
 
 
 def out_of_balance(case: Case, found: Results) -> Array:
@@ -158,10 +156,3 @@ def tauter_when_longer(case: Case, found: Results) -> Array:
 def _angle(found: Results) -> Array:
     """|u| at the steeper end, from cosh(u) = T / H."""
     return np.arccosh(np.maximum(found.outputs["max_tension"] / found.outputs["horizontal_tension"], 1.0))
-
-
-def _worst_of(found: Results, answers: dict[str, Answer], allowed: Array) -> Array:
-    misses = [
-        np.abs(values - answers[name].value) / (answers[name].scale * allowed) for name, values in found.outputs.items()
-    ]
-    return worst(*misses)
