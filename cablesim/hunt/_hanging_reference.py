@@ -73,7 +73,7 @@ def catenary(line: Line) -> tuple[dict[str, Answer], Array]:
     first, last, upper = mean - x, mean + x, np.abs(mean) + x
     ends = line.weight * a * np.cosh(first), line.weight * a * np.cosh(last)
     stretch = a * a * e / line.length
-    vertex = a * (x - mean), 2.0 * stretch * np.sinh(x - mean)
+    vertex, spread = (a * turn + 2.0 * stretch * np.sinh(turn) for turn in (x - mean, x + np.abs(mean)))
     arc = 2.0 * x + np.sinh(2.0 * x) * np.cosh(2.0 * mean)
     return {
         "catenary_parameter": _plain(a),
@@ -83,7 +83,7 @@ def catenary(line: Line) -> tuple[dict[str, Answer], Array]:
         "max_tension": _plain(np.maximum(*ends)),
         "sag": _plain(_sag(line, a, stretch, x)),
         "drop": _plain(2.0 * a * np.sinh(0.5 * upper) ** 2 + stretch * np.sinh(upper) ** 2),
-        "vertex_x": Answer(vertex[0] + vertex[1], a * (x + np.abs(mean)) + np.abs(vertex[1])),
+        "vertex_x": Answer(vertex, spread),
         "stretched_length": _plain(line.length + stretch * arc),
     }, np.asarray(upper, dtype=float)
 

@@ -15,6 +15,8 @@ from cablesim.status import Status
 PROMISED, FORCES = 1e-12, (1e-3, 1e3)
 # Of pieces in which the largest stress is looked for, and of the shape.
 STRESSES, NODES = 160, 9
+# Less than any distance or stress that could be asked for.
+NOTHING = 1e-90
 MORE = 1.0 + 2.0**-7
 ENDS = {"stress_ratio_A": "stress_ratio_B", "stress_ratio_B": "stress_ratio_A"}
 
@@ -39,7 +41,10 @@ def other_in_a_mirror(case: Case, found: Results) -> Array:
     # The place that is looked at is rounded in the mirror.
     names = [name for name in found.outputs if name != "stress_ratio"]
     misses = worst(
-        *(np.abs(mirrored[ENDS.get(name, name)] - found.outputs[name]) / found.outputs[name] for name in names)
+        *(
+            np.abs(mirrored[ENDS.get(name, name)] - found.outputs[name]) / np.maximum(found.outputs[name], NOTHING)
+            for name in names
+        )
     )
     return misses / (PROMISED + _rounding(hung_line(case)))
 

@@ -81,7 +81,8 @@ def out_of_balance(case: Case, found: Results) -> Array:
 def other_alone(case: Case, found: Results) -> Array:
     """By how much the cross-section at A differs if the first part of the line hangs between its own ends.
 
-    Its ends have the rounding of u, of which the cross-section is cosh(u).
+    Its ends have the rounding of u, of which the cross-section is cosh(u); of a part that is nearly as wide as can be
+    what is missing to pi k loses digits.
     """
     nodes = replace(case, options={"nodes": PIECES + 1}).solve(("profile",)).outputs["profile"]
     # A line so steep that nothing of its width is left in floats is not judged.
@@ -89,8 +90,11 @@ def other_alone(case: Case, found: Results) -> Array:
     part = case.solve(("area_ratio_A",), span=np.where(wide, nodes[:, PART, 0], NARROWEST), rise=nodes[:, PART, 2])
     apart = np.abs(part.outputs["area_ratio_A"] / found.outputs["area_ratio_A"] - 1.0)
     thickest = np.maximum(found.outputs["area_ratio_A"], found.outputs["area_ratio_B"])
-    allowed = _rounding(case) * (1.0 + np.arccosh(np.maximum(thickest, 1.0)))
-    return np.where(wide, np.where(part.status == Status.ok, apart / allowed, np.inf), np.nan)
+    widest = np.pi * case.parameters["strength_length"]
+    magnified = widest / np.maximum(widest - nodes[:, PART, 0], ROUNDING * widest)
+    allowed = _rounding(case) * (1.0 + np.arccosh(np.maximum(thickest, 1.0))) * magnified
+    judged = wide & (allowed < FEW_DIGITS)
+    return np.where(judged, np.where(part.status == Status.ok, apart / allowed, np.inf), np.nan)
 
 
 def other_in_a_mirror(case: Case, found: Results) -> Array:
