@@ -118,15 +118,24 @@ def _log_stress(half_angle: Array, slope: Array, half_span: Array) -> Array:
 
 
 def _stress_slopes(half_angle: Array, slope: Array) -> tuple[Array, Array]:
-    """J, and its derivative with respect to log(lambda)."""
-    sine = np.sinh(half_angle)
-    mean = np.tanh(_mean_angle(half_angle, slope))
-    upper = np.tanh(_mean_angle(half_angle, slope) + half_angle)
+    """J, and its derivative with respect to log(lambda).
+
+    Of steep lines both are nearly zero along a wide valley: from what tanh(u), tanh(mu) and coth(lambda) differ from 1.
+    """
+    mean_angle, sine = _mean_angle(half_angle, slope), np.sinh(half_angle)
+    mean_deficit, upper_deficit = _tanh_deficit(mean_angle), _tanh_deficit(mean_angle + half_angle)
+    mean, upper = 1.0 - mean_deficit, 1.0 - upper_deficit
     c = cosh_sinhc_difference(half_angle) / sine
-    growth = 1.0 - mean * c  # of u with lambda
-    first = half_angle * upper * growth
-    bend = (1.0 - mean**2) * mean * c * c - mean * (1.0 / half_angle**2 - 1.0 / sine**2)
-    return first - 1.0, first + half_angle**2 * ((1.0 - upper**2) * growth**2 + upper * bend)
+    lead = half_angle * (mean_deficit * c - 2.0 / np.expm1(2.0 * half_angle))  # lambda du/dlambda - 1
+    first = lead - upper_deficit * (1.0 + lead)
+    lagging = upper * mean * ((half_angle / sine) ** 2 + mean_deficit * (1.0 + mean) * (half_angle * c) ** 2)
+    bend = mean_deficit + mean * upper_deficit + upper_deficit * (1.0 + upper) * (1.0 + lead) ** 2 + lagging
+    return first, first + bend
+
+
+def _tanh_deficit(angle: Array) -> Array:
+    """1 - tanh."""
+    return 2.0 / (1.0 + np.exp(2.0 * angle))
 
 
 def _mean_angle(half_angle: Array, slope: Array) -> Array:

@@ -53,9 +53,18 @@ def _sums(sections, low, high, thinnest, force, vertical, found):
             t_2 = np.hypot(r, v_2)
             share = length / (t_1 + t_2)
             found[i, SHORTFALL] += share * (tension_less(t_1, v_1, r) + tension_less(t_2, v_2, r))
-            found[i, RATE] += share * scale * (1.0 + (r / t_1) * (r / t_2) - (v_1 / t_1) * (v_2 / t_2))
+            found[i, RATE] += (
+                share * scale * ((r / t_1) * (r / t_2) + _less_than_one(r / t_1, v_1 / t_1, r / t_2, v_2 / t_2))
+            )
             found[i, DISTANCE] += extent(length, v_2 - v_1, r, v_1, v_2)[0]
             v_1, t_1 = v_2, t_2
+
+
+@compiled
+def _less_than_one(cos_1, sin_1, cos_2, sin_2):
+    """1 - sin_1 sin_2, of which nothing would be left for two steep ends: from 1 - (sin_1 sin_2)^2."""
+    product = sin_1 * sin_2
+    return (cos_1**2 + (sin_1 * cos_2) ** 2) / (1.0 + product) if product > 0.0 else 1.0 - product
 
 
 @compiled

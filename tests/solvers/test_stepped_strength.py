@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -129,6 +130,28 @@ def test_one_section_is_a_catenary() -> None:
     # The chord leaves two digits less of a line a tenth longer than it.
     assert catenary["horizontal_tension"][0] == pytest.approx(0.7, rel=1e-12)
     np.testing.assert_allclose(found["profile"], catenary["profile"], rtol=0.0, atol=1e-9)
+
+
+def test_an_upright_line_of_one_section_is_a_catenary_to_all_digits() -> None:
+    """Spans down to 1e-9 of the rise; the distance of a catenary follows from its length and rise in closed form."""
+    rng = np.random.default_rng(1)
+    rise, share, force = (10.0 ** rng.uniform(*decades, 200) for decades in ((-2.0, 0.5), (-9.0, -3.0), (-2.0, 2.0)))
+    line = {"strength_length": 1.0, "span": share * rise, "rise": rise, "force_ratio": force}
+    found = solve(SOLVER.name, line, {"sections": 1})
+    assert (found.status == Status.ok).all()
+    expected = [_distance_of_one_section(*given) for given in zip(rise, share * rise, force, strict=True)]
+    np.testing.assert_allclose(found.outputs["horizontal_distance"], expected, rtol=1e-12)
+
+
+def _distance_of_one_section(rise: float, span: float, force: float) -> float:
+    """2 a asinh(sqrt(L^2 - h^2) / 2a), with length and weight of the design from M7; all over k."""
+    with mp.workdps(60):
+        b, e = mp.mpf(span) / 2, mp.mpf(rise) / 2
+        middle = mp.atan(mp.tanh(e) / mp.tan(b))
+        slopes = [mp.tan(middle - b), mp.tan(middle + b)]
+        length = mp.asinh(slopes[1]) - mp.asinh(slopes[0])
+        a = force * length / (slopes[1] - slopes[0])
+        return float(2 * a * mp.asinh(mp.sqrt(length**2 - mp.mpf(rise) ** 2) / (2 * a)))
 
 
 # ---- stresses ----

@@ -165,3 +165,14 @@ def test_the_profile_runs_from_support_to_support() -> None:
     miss = np.linalg.norm(profile[:, -1] - supports, axis=1)
     assert (profile[:, 0] == 0.0).all()
     assert (miss / solved().outputs["line_length"]).max() <= ROUNDING
+
+
+def test_lines_that_are_all_but_upright_are_found() -> None:
+    """Of spans to 1e-15 of the rise: the stress has a valley so flat that its slope is lost beside 1."""
+    slope = np.geomspace(1e3, 1e15, 60)
+    line = {"strength_length": 1.0, "span": 0.3 / slope, "rise": 0.3}
+    found = solve(SOLVER.name, line)
+    assert (found.status == Status.ok).all()
+    # Upright, the line is as thick as its own weight needs: tension goes as 1 + z / a, and the upper end has k.
+    np.testing.assert_allclose(1.0 / found.outputs["area_ratio_A"] + found.outputs["drop"], 1.0, rtol=ROUNDING)
+    assert (np.diff(found.outputs["area_ratio_A"]) > 0.0).all()
