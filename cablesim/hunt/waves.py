@@ -34,6 +34,9 @@ SPREADS = ("period_spread", "slack_fraction")
 RECORDED_PERIODS = 5.0
 # Error of a step in tolerances that is let pass.
 LET_PASS = 3.0
+# Part of the range of a sine by which two parabolas through three of sixteen points of it, the fewest steps of a period
+# that are taken, may miss it in different directions.
+BETWEEN = (2.0 * np.pi / 16.0) ** 3 / (9.0 * np.sqrt(3.0))
 # Newton's method leaves 1e-10 of the largest tension in every step.
 STILL = 1e-7
 # Bounds of the work on a scenario, and of seconds where a slow machine does not get there.
@@ -171,9 +174,11 @@ def records(case: Case, found: Results) -> Array:
     for kind, node, place in (("max", 0, "anchor"), ("max", -1, "top"), ("min", 0, "anchor"), ("min", -1, "top")):
         is_wrong |= out[f"profile_{kind}_tension"][:, node] != out[f"{kind}_{place}_tension"]
     miss = [unequal(found, asked), np.where(is_wrong, np.inf, 0.0)]
-    # Histories and extremes are of parabolas that are not through the same points: as far apart as steps are wrong.
-    allowed = found.outputs["time_change"] + LET_PASS * case.options["rtol"]
-    return np.max([*miss, over(_beyond(case, out), allowed * largest(found))], axis=0)
+    # Histories and extremes are of parabolas that are not through the same points: as far apart as steps are wrong, and
+    # as parabolas are between steps.
+    largest_range = np.ptp(out["history"].astype(float), axis=1).max(axis=1)
+    allowed = (found.outputs["time_change"] + LET_PASS * case.options["rtol"]) * largest(found)
+    return np.max([*miss, over(_beyond(case, out), allowed + BETWEEN * largest_range)], axis=0)
 
 
 def _beyond(case: Case, out: dict[str, Array]) -> Array:
