@@ -50,6 +50,8 @@ CHANGES, TOLERANCES = 5.0, 10.0
 # ... and of a line that goes slack, of the root of its error of energy. What numerical damping takes after a snap
 # would ring, and the energy of waves goes as the square of their tension.
 RINGING = 2.0
+# A change that says that nothing is known.
+UNKNOWN = 0.5
 
 
 def draw(solver: str, size: int, rng: np.random.Generator) -> list[Case]:
@@ -119,12 +121,12 @@ def told(case: Case, found: Results) -> Array:
     """What tensions may miss by what their result says of itself, over the largest of all.
 
     The tensions of a line that snaps are as uncertain as its periods are different, and as what is damped would ring. A
-    change by more than there is says that nothing is known.
+    change tells of the error while it is small: one of half of all there is says that nothing is known.
     """
     change = np.maximum(found.outputs["time_change"], irregularity(found))
     ringing = np.where(found.outputs["slack_fraction"] > 0.0, np.sqrt(found.outputs["energy_error"]), 0.0)
     allowed = CHANGES * change + RINGING * ringing + TOLERANCES * case.options["rtol"]
-    return np.where(change > 1.0, np.inf, allowed)
+    return np.where(found.outputs["time_change"] > UNKNOWN, np.inf, allowed)
 
 
 def irregularity(found: Results) -> Array:
