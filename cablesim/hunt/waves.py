@@ -12,7 +12,7 @@ import numpy as np
 from cablesim.batch import Results
 from cablesim.hunt import _wave_rest
 from cablesim.hunt._case import Case, Judge
-from cablesim.hunt._wave_lines import DENSITY, OPTIONAL, SEGMENTS, random_lines, scaled, with_corners
+from cablesim.hunt._wave_lines import DENSITY, OPTIONAL, SEGMENTS, random_lines, scaled, unmoved, with_corners
 from cablesim.hunt._wave_momentum import momentum
 from cablesim.hunt._wave_rest import over
 from cablesim.numerics import Array
@@ -196,8 +196,7 @@ def _beyond(case: Case, out: dict[str, Array]) -> Array:
 def stillness(case: Case, found: Results) -> Array:
     """A line that nothing moves keeps the tensions that it has at rest, as Newton's method finds them."""
     period = case.parameters["wave_period"]
-    moves = {name: 0.0 * period for name in OPTIONAL if name in case.parameters} or {"top_amplitude": 0.0 * period}
-    still = once(case).solve((*TENSIONS, *RESTS), duration=2.0 * period, **moves)
+    still = once(case).solve((*TENSIONS, *RESTS), duration=2.0 * period, **unmoved(case.parameters))
     miss = [
         np.abs(still.outputs[f"{kind}_{place}_tension"] - still.outputs[f"static_{place}_tension"])
         for place in PLACES
