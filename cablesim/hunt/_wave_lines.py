@@ -228,7 +228,7 @@ def given_or_standard(line: Lines) -> Lines:
 def unmoved(line: Lines) -> Lines:
     """What keeps lines at rest: the parameters that move them, as nothing."""
     moves = [name for name in OPTIONAL if name in line] or ["top_amplitude"]
-    return {name: 0.0 * line["wave_period"] for name in moves}
+    return dict.fromkeys(moves, 0.0 * line["wave_period"])
 
 
 def scaled(line: Lines, length: Any, time: Any, mass: Any) -> Lines:
