@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cablesim.batch import Results
-from cablesim.hunt import waves
+from cablesim.hunt import _wave_moved, waves
 from cablesim.hunt._case import Case, rows_of
 from cablesim.hunt._wave_lines import CORNERS, random_lines, with_corners
 from cablesim.status import Status
@@ -136,8 +136,8 @@ def test_an_answer_that_tells_of_its_error_may_be_wrong_by_that(sound):
 def test_a_small_hunt_finds_nothing(monkeypatch):
     """Of few elements, with fewer steps: those that need more are not judged by a second march."""
     monkeypatch.setattr(waves, "MOST_STEPS", dict.fromkeys(waves.MOST_STEPS, 4000))
-    monkeypatch.setattr(waves, "EXPLICIT_STEPS", 10_000)
-    monkeypatch.setattr(waves, "FINER_STEPS", 5000)
+    monkeypatch.setattr(_wave_moved, "EXPLICIT_STEPS", 10_000)
+    monkeypatch.setattr(_wave_moved, "FINER_STEPS", 5000)
     cases = [case for case in waves.draw(SOLVER, 400, np.random.default_rng(4)) if case.options["segments"] <= 7]
     solved = 0
     for case in cases[:4]:

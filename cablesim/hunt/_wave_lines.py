@@ -225,6 +225,12 @@ def given_or_standard(line: Lines) -> Lines:
     return {name: np.broadcast_to(value, period.shape) for name, value in (STANDARD | times | line).items()}
 
 
+def unmoved(line: Lines) -> Lines:
+    """What keeps lines at rest: the parameters that move them, as nothing."""
+    moves = [name for name in OPTIONAL if name in line] or ["top_amplitude"]
+    return dict.fromkeys(moves, 0.0 * line["wave_period"])
+
+
 def scaled(line: Lines, length: Any, time: Any, mass: Any) -> Lines:
     """The same lines in units of other sizes; gravity is the same if length goes as time squared."""
     powers = {name: UNITS[name] for name in line if name in UNITS}

@@ -11,7 +11,7 @@ import numpy as np
 
 from cablesim.batch import Results
 from cablesim.hunt._case import Case
-from cablesim.hunt._wave_lines import given_or_standard
+from cablesim.hunt._wave_lines import given_or_standard, unmoved
 from cablesim.numerics import Array
 from cablesim.physics.waves import GRAVITY
 
@@ -110,7 +110,7 @@ class Rest:
 def at_rest(case: Case) -> Rest:
     """Lines before they are moved; NaN is what is not known of those that are not solved."""
     period = case.parameters["wave_period"]
-    found = case.solve(OUTPUTS, duration=MOMENT * period)
+    found = case.solve(OUTPUTS, duration=MOMENT * period, **unmoved(case.parameters))
     return Rest(given_or_standard(case.parameters), found.outputs)
 
 
