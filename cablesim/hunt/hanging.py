@@ -52,7 +52,7 @@ def judges(solver: str) -> dict[str, Judge]:
         order = {} if solver == "catenary_handbook" else {"order": off_its_order}
         own = {"balance": out_of_level_balance, **order, "reference": partial(off_the_formula, FORMULAS[solver])}
     else:
-        own = _limit_ratio.JUDGES
+        own = {"permitted": _limit_ratio.off_the_permitted_error, "below": _limit_ratio.more_below}
     return {**_anything.judges(solver), **own}
 
 
