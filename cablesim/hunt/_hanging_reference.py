@@ -37,12 +37,12 @@ def line_of(case: Case) -> Line:
     """The lines of a case, whichever solver and problem it is for."""
     given = case.parameters
     span, rise = given["span"], given.get("rise", np.zeros(case.size))
-    ratio, length = given.get("length_ratio"), given.get("line_length")
-    long = longer(length) if ratio is None else longer(ratio) * longer(span)
+    ratio = given.get("length_ratio")
+    length = longer(given["line_length"]) if ratio is None else longer(ratio) * longer(span)
     weight = longer(given["weight_per_length"])
-    strain = 0.5 * weight * long / given["axial_stiffness"] if "axial_stiffness" in given else np.zeros_like(long)
-    excess = excess_of_squares(length, ratio, span, rise)
-    return Line(longer(span), longer(rise), long, weight, excess, strain)
+    strain = 0.5 * weight * length / given["axial_stiffness"] if "axial_stiffness" in given else np.zeros_like(length)
+    excess = excess_of_squares(given.get("line_length", length), ratio, span, rise)
+    return Line(longer(span), longer(rise), length, weight, excess, strain)
 
 
 def half_angle(line: Line) -> Array:

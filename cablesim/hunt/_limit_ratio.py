@@ -41,9 +41,6 @@ def more_below(case: Case, found: Results) -> Array:
     return np.maximum(worst(*misses), 0.0)
 
 
-JUDGES = {"permitted": off_the_permitted_error, "below": more_below}
-
-
 @cache
 def _most_below(formula: str, output: str) -> tuple[Array, Array]:
     """Length ratios, and the largest error up to each."""

@@ -17,6 +17,8 @@ PROMISED, FORCES = 1e-12, (1e-3, 1e3)
 STRESSES, NODES = 160, 9
 # Less than any distance or stress that could be asked for.
 NOTHING = 1e-90
+# Of the tension at the thinnest place, to see what changes with it.
+STEP = 1e-4
 MORE = 1.0 + 2.0**-7
 ENDS = {"stress_ratio_A": "stress_ratio_B", "stress_ratio_B": "stress_ratio_A"}
 
@@ -110,7 +112,8 @@ def _misses(case: Case, found: dict[str, Array], line: Hung) -> Array:
     distance = sums(line, vertical)[1] * line.k
     falling, fraction = case.parameters["rise"] < 0.0, case.parameters["arc_fraction"]
     places = np.stack([np.zeros(case.size), np.ones(case.size), fraction], axis=1)
-    stresses, unknown = _stresses(case, line, vertical, np.where(falling[:, None], 1.0 - places, places))
+    sensitivity = _sensitivity(line, sums, vertical)
+    stresses, unknown = _stresses(case, line, vertical, sensitivity, np.where(falling[:, None], 1.0 - places, places))
     misses = [np.abs(found["horizontal_distance"] / distance - 1.0) / (PROMISED + _rounding(line))]
     for column, name in enumerate(("stress_ratio_A", "stress_ratio_B", "stress_ratio")):
         apart = np.abs(found[name] / stresses[:, column] - 1.0)
@@ -118,7 +121,14 @@ def _misses(case: Case, found: dict[str, Array], line: Hung) -> Array:
     return worst(*misses)
 
 
-def _stresses(case: Case, line: Hung, vertical: Array, from_first: Array) -> tuple[Array, Array]:
+def _sensitivity(line: Hung, sums: Sums, vertical: Array) -> Array:
+    """By how much the vertical tension changes with the length that is lost to slope, per part of that."""
+    step = STEP * np.hypot(line.force, vertical)
+    beside = sums(line, vertical + step)[0]
+    return line.slack * step / np.maximum(np.abs(beside - line.slack), NOTHING)
+
+
+def _stresses(case: Case, line: Hung, vertical: Array, sensitivity: Array, from_first: Array) -> tuple[Array, Array]:
     """At fractions of the length, and what part of them rounding leaves unknown."""
     place = np.minimum(line.low[:, None] + line.length[:, None] * from_first, line.high[:, None])
     weight = line.weight(place)
@@ -126,7 +136,7 @@ def _stresses(case: Case, line: Hung, vertical: Array, from_first: Array) -> tup
         weight = _stepped_weight(case.options["sections"], line, from_first)
     up = vertical[:, None] + weight
     tension = np.hypot(line.force[:, None], up)
-    lost = np.abs(up) / tension**2 * (np.abs(vertical[:, None]) + np.abs(weight))
+    lost = np.abs(up) / tension**2 * (np.abs(vertical[:, None]) + np.abs(weight) + sensitivity[:, None])
     return tension / np.cosh(line.thinnest[:, None] + place), OPERATIONS * ROUNDING * (lost + line.length[:, None])
 
 

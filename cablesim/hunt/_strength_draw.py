@@ -14,14 +14,18 @@ RISES, USUAL_RISES = (-12.0, 1.0), (-2.0, 0.3)
 STEEPEST = 500.0
 # Of the force over that of the design, as far as digits are promised, and beyond.
 FORCES, MORE_FORCES = (-3.0, 3.0), (-8.0, 8.0)
+# Over k, level.
+WIDEST_UNIFORM = 1.3254868386983632
 SECTIONS = (1, 2, 3, 7, 10, 40)
 
 
 def strength_lines(solver: str, size: int, rng: np.random.Generator) -> list[Case]:
     """Lines of one of the solvers."""
     given = _designs(size, rng)
-    if solver in ("equal_strength", "uniform_strength"):
+    if solver == "equal_strength":
         return [Case(solver, given, {})]
+    if solver == "uniform_strength":
+        return [Case(solver, _low_enough(given), {})]
     given |= _loads(size, rng)
     if solver == "equal_strength_loaded":
         return [Case(solver, given, {})]
@@ -38,6 +42,12 @@ def _designs(size: int, rng: np.random.Generator) -> dict[str, Array]:
     rise = decades(size, rng, USUAL_RISES, RISES) * rng.choice([-1.0, 0.0, 1.0], size, p=[0.4, 0.2, 0.4])
     rise = np.where(rng.random(size) < 0.02, rng.uniform(-STEEPEST, STEEPEST, size), rise)
     return {"strength_length": strength, "span": share * np.pi * strength, "rise": rise * strength}
+
+
+def _low_enough(given: dict[str, Array]) -> dict[str, Array]:
+    """Spans up to the widest of a uniform line, and no rises above the strength length, which it cannot have."""
+    k, rise = given["strength_length"], given["rise"]
+    return given | {"span": given["span"] * (WIDEST_UNIFORM / np.pi), "rise": rise / (1.0 + np.abs(rise) / k)}
 
 
 def _loads(size: int, rng: np.random.Generator) -> dict[str, Array]:

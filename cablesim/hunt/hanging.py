@@ -52,7 +52,7 @@ def judges(solver: str) -> dict[str, Judge]:
         order = {} if solver == "catenary_handbook" else {"order": off_its_order}
         own = {"balance": out_of_level_balance, **order, "reference": partial(off_the_formula, FORMULAS[solver])}
     else:
-        own = _limit_ratio.JUDGES
+        own = {"permitted": _limit_ratio.off_the_permitted_error, "below": _limit_ratio.more_below}
     return {**_anything.judges(solver), **own}
 
 
@@ -131,7 +131,8 @@ def other_in_a_mirror(case: Case, found: Results) -> Array:
 def other_alone(case: Case, found: Results) -> Array:
     """By how much the horizontal tension changes if a part of the line hangs between its own ends.
 
-    Both ends are rounded, and the tension goes with the slack: only judged where that leaves three digits.
+    Its end is known to roundings of the whole length, and the tension goes with its slack and its span: only judged
+    where that leaves three digits.
     """
     nodes = replace(case, options={"nodes": PIECES + 1}).solve(("profile",)).outputs["profile"]
     given = {name: values for name, values in case.parameters.items() if name != "length_ratio"}
@@ -141,7 +142,8 @@ def other_alone(case: Case, found: Results) -> Array:
     )
     alone = part.solve(("horizontal_tension",))
     apart = np.abs(alone.outputs["horizontal_tension"] / found.outputs["horizontal_tension"] - 1.0)
-    allowed = 2.0 * OPERATIONS * ROUNDING * (1.0 + _angle(found)) * (1.0 + line_of(part).sharpness)
+    lost = (1.0 + _angle(found)) * (1.0 + line_of(part).sharpness) + length / part.parameters["span"]
+    allowed = 2.0 * OPERATIONS * ROUNDING * lost
     return np.where(allowed < FEW_DIGITS, np.where(alone.status == Status.ok, apart / allowed, np.inf), np.nan)
 
 

@@ -12,7 +12,7 @@ from cablesim.physics.built_line import weight_to
 from cablesim.physics.composite import extent, tension_less
 from cablesim.solvers._built_march import DISTANCE, RATE, SHORTFALL
 
-# Longest part of a piece, in u, that is searched for one maximum of the stress; halvings of it, for the top is flat.
+# Longest part of a piece, in u, that is searched for two maxima of the stress; halvings of it, for the top is flat.
 PART = 0.25
 HALVINGS = 30
 
@@ -101,18 +101,41 @@ def _largest_stresses(sections, low, high, thinnest, force, vertical, found):
 
 @compiled
 def _largest_stress(length, piece):
-    """Of a piece, its beginning apart. Where |V| > r the stress has one maximum at most, else one in every part."""
-    _, start, growth, force = piece
+    """Of a piece, its beginning apart. Where |V| > r the stress has one maximum at most.
+
+    Elsewhere it has two at most in parts in which neither the slope nor u changes sign: there its second derivative,
+    the difference of two functions with their tops at V = 0 and at u = 0, changes sign once.
+    """
+    u, start, growth, force = piece
     before = min(max((-force - start) / growth, 0.0), length)
     beyond = min(max((force - start) / growth, 0.0), length)
     largest = 0.0
-    for here, there in ((0.0, before), (before, beyond), (beyond, length)):
+    level, thinnest = min(max(-start / growth, before), beyond), min(max(-u, before), beyond)
+    one, other = min(level, thinnest), max(level, thinnest)
+    for here, there in ((0.0, before), (before, one), (one, other), (other, beyond), (beyond, length)):
         parts = int(np.ceil((there - here) / PART))
         for k in range(parts):
             first, last = here + (there - here) * k / parts, here + (there - here) * (k + 1) / parts
-            largest = max(largest, _stress(_highest(first, last, piece), piece))
-            largest = max(largest, _stress(last, piece))
+            turn = _turn(first, last, piece)
+            for begin, end in ((first, turn), (turn, last)):
+                largest = max(largest, _stress(_highest(begin, end, piece), piece))
+                largest = max(largest, _stress(end, piece))
     return largest
+
+
+@compiled
+def _turn(first, last, piece):
+    """Where the rise of the stress begins to grow or to fall, so that on either side it passes through zero once."""
+    growing = _growth_of_rise(first, piece) > 0.0
+    if growing == (_growth_of_rise(last, piece) > 0.0):
+        return last
+    for _ in range(HALVINGS):
+        middle = 0.5 * (first + last)
+        if growing == (_growth_of_rise(middle, piece) > 0.0):
+            first = middle
+        else:
+            last = middle
+    return last
 
 
 @compiled
@@ -142,6 +165,16 @@ def _rise_of_stress(part, piece):
     vertical = start + growth * part
     tension = np.hypot(force, vertical)
     return (vertical / tension) * (growth / tension) - np.tanh(u + part)
+
+
+@compiled
+def _growth_of_rise(part, piece):
+    """d^2 log(T / cosh(u)) / du^2."""
+    u, start, growth, force = piece
+    vertical = start + growth * part
+    tension = np.hypot(force, vertical)
+    change = growth / tension
+    return change**2 * ((force / tension) ** 2 - (vertical / tension) ** 2) - 1.0 / np.cosh(u + part) ** 2
 
 
 @compiled

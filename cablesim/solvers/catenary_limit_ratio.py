@@ -4,6 +4,7 @@
 
 Both errors depend on L/l alone. The limit is where the error first exceeds eta: found on a ladder of lambda = l / 2a
 and refined by Chandrupatla's method. A formula that is off by more than eta from the start has no limit: infeasible.
+Of a right formula errors below some 1e-7 have their limit before the ladder begins: out_of_domain.
 
 Reference: "Comparison of experimental and theoretical catenary lines", equations 19-20 and figure 5.
 """
@@ -27,6 +28,8 @@ OUTPUTS = ("sag_limit_ratio", "tension_limit_ratio")
 SECONDS_PER_SCENARIO = 2e-5
 # From L/l - 1 = 2e-7, where every error of a right formula is far below any permitted one, to L/l = 1e19.
 LADDER = np.geomspace(1e-3, 50.0, 2000)
+# A formula that is no more wrong than this where the ladder begins becomes right before it.
+RIGHT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,8 @@ class Limits:
 def solve(p: Parameters, options: Options) -> Solution:
     limits = Limits(*(_limit(options.formula, output, p.permitted_error) for output in ("sag", "max_tension")))
     found = np.isfinite(limits.sag_limit_ratio) & np.isfinite(limits.tension_limit_ratio)
-    return Solution(np.where(found, Status.ok, Status.infeasible).astype(np.int8), limits)
+    missing = np.where(p.permitted_error < _least_resolved(options.formula), Status.out_of_domain, Status.infeasible)
+    return Solution(np.where(found, Status.ok, missing).astype(np.int8), limits)
 
 
 def _limit(formula: str, output: str, permitted: Array) -> Array:
@@ -61,6 +65,12 @@ def _limit(formula: str, output: str, permitted: Array) -> Array:
         lambda x, eta: error(x) - eta, (LADDER[above - 1], LADDER[above]), args=(np.where(inside, permitted, np.nan),)
     )
     return 1.0 + sinhc_excess(np.where(inside & root.success, root.x, np.nan))
+
+
+def _least_resolved(formula: str) -> float:
+    """The least permitted error whose limits are on the ladder; zero of a formula that is wrong."""
+    starts = [float(_worst_so_far(formula, output)[0]) for output in ("sag", "max_tension")]
+    return max(starts) if max(starts) < RIGHT else 0.0
 
 
 @cache

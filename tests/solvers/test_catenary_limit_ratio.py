@@ -88,6 +88,13 @@ def test_the_handbook_keeps_no_error_below_that_of_its_tension_in_a_taut_line() 
         assert np.isnan(found.outputs[name]).all()
 
 
+def test_a_limit_that_is_too_small_to_be_told_is_not_called_impossible() -> None:
+    """The parabola is right to 1e-9 up to L/l - 1 = 3e-9, before the ladder begins; the handbook is nowhere."""
+    tiny = np.array([1e-9])
+    assert limits("parabolic", tiny).status == Status.out_of_domain
+    assert limits("handbook", tiny).status == Status.infeasible
+
+
 def test_the_handbook_keeps_an_error_of_half() -> None:
     """Its tension starts 41 % too large, and grows too small with slack."""
     found = limits("handbook", np.array([0.5]))

@@ -172,6 +172,19 @@ def test_the_largest_stress_is_that_of_the_finest_nodes(sections: int) -> None:
     assert (largest > finest).any()
 
 
+def test_two_maxima_that_lie_close_together_are_told_apart() -> None:
+    """Under nearly the force of the design the stress of a piece is all but the same everywhere, with two tops."""
+    rng = np.random.default_rng(1)
+    line = {"strength_length": 1.0, "span": rng.uniform(0.2, 1.0, 2000), "rise": rng.uniform(-0.05, 0.05, 2000)}
+    line |= {"force_ratio": 1.0 + rng.uniform(-0.01, 0.01, 2000)}
+    wanted = ("max_stress_ratio", "profile_stress_ratio")
+    found = solve(SOLVER.name, line, {"sections": 1, "nodes": 401}, wanted).outputs
+    finest = found["profile_stress_ratio"].max(axis=1)
+    assert (finest <= found["max_stress_ratio"] * (1.0 + ROUNDING)).all()
+    # Steps of 1 / 300 of k at most, and a second derivative above -2.
+    assert (finest >= found["max_stress_ratio"] * (1.0 - 0.25 / 300.0**2)).all()
+
+
 def test_the_stress_at_an_arc_fraction_is_that_of_the_node_there() -> None:
     nodes = hung(SOLVER.name, 10).outputs["profile_stress_ratio"]
     for node in (0, 3, 10):
