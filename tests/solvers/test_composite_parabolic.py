@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from cablesim.batch import solve
+from cablesim.hunt._composite_laws import Lines, length, misfits, vertical, weight
 from cablesim.numerics import Array
 from cablesim.status import Status
-from tests.composite_check import Lines, length, misfits, random_lines, solved, vertical, weight
+from tests.composite_check import random_lines, solved
 from tests.helpers import rows
 
 SOLVER = "composite_parabolic"
