@@ -17,6 +17,8 @@ HALVINGS = 70
 NEWTON_STEPS, LONGEST = 5, 2.0
 # Below this atanh(q) / q keeps its digits, above it the difference of two asinh does.
 SMALL_TURN = 0.25
+# A turn at which it is 1, for arcs of no length.
+FAINTEST = 1e-300
 EPS = float(np.finfo(float).eps)
 LONG_EPS = float(np.finfo(np.longdouble).eps)
 
@@ -41,13 +43,13 @@ class Hung:
     @property
     def x(self) -> Array:
         """Horizontal extent of every section."""
-        l, w, T = self.line["section_length"], self.line["section_weight"], self.T
+        s, w, T = self.line["section_length"], self.line["section_weight"], self.T
         both = T[:, 1:] + T[:, :-1]
-        q = np.minimum(w * l / both, 1.0)
-        with np.errstate(divide="ignore"):
-            gentle = 2.0 * l * self.H / both * np.arctanh(np.minimum(q, SMALL_TURN)) / q
+        q = w * s / both
+        gentle = np.clip(q, FAINTEST, SMALL_TURN)
+        bent = 2.0 * s * self.H / both * np.arctanh(gentle) / gentle
         turned = self.H / w * np.diff(np.arcsinh(self.V / self.H), axis=1)
-        return np.where(q < SMALL_TURN, gentle, turned)
+        return np.where(q < SMALL_TURN, bent, turned)
 
     @property
     def z(self) -> Array:
@@ -82,6 +84,11 @@ class Hung:
         """x and z of A and of the far end of every section."""
         return np.pad(np.cumsum(np.stack([self.x, self.z], axis=2), axis=1), ((0, 0), (1, 0), (0, 0)))
 
+    def unsure(self, part: float, force: Array) -> Array:
+        """How far places may be off: a part of the length, and what an error of a force turns the sections by."""
+        s, T = self.line["section_length"], self.T
+        return part * length(self.line) + np.nansum(4.0 * s / (T[:, 1:] + T[:, :-1]), axis=1) * force
+
     def outputs(self) -> Lines:
         """What a solver answers, but for profiles."""
         rows, last = np.arange(len(self.V)), number(self.line)
@@ -106,8 +113,8 @@ class Hung:
         rows, last = np.arange(len(self.V)), number(self.line)
         hangs = np.nansum(self.V < 0.0, axis=1)
         own = np.clip(hangs, 1, last) - 1
-        l, w = self.line["section_length"], self.line["section_weight"]
-        at = np.pad(np.cumsum(l, axis=1), ((0, 0), (1, 0)))[rows, own]
+        w = self.line["section_weight"]
+        at = np.pad(np.cumsum(self.line["section_length"], axis=1), ((0, 0), (1, 0)))[rows, own]
         V = self.V[rows, own]
         arc = Hung(
             {"section_length": (-V / w[rows, own])[:, None], "section_weight": w[rows, own][:, None]},

@@ -1,7 +1,7 @@
 """Lines of sections that are hardly longer than their chord: their tension from their slack, to second order.
 
-With P the pull along the chord, W(s) the weight between A and s, and m2 and m3 the mean square and cube of what W differs
-from its mean by, a line of length L on a chord of direction (cos b, sin b) is longer than it by
+With P the pull along the chord, W(s) the weight between A and s, and m2 and m3 the mean square and cube of what W
+differs from its mean by, a line of length L on a chord of direction (cos b, sin b) is longer than it by
 
     L cos^2 b m2 / (2 P^2) (1 - 2 sin b m3 / (m2 P)),   H = P cos b,
 

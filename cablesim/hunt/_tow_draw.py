@@ -13,7 +13,7 @@ LENGTHS, WEIGHTS, UNITS = (0.0, 3.0), (-1.0, 4.0), (-9.0, 9.0)
 ODD = (-8.0, 6.0)
 # H over the weight of the line; and the part of its length by which a chord is shorter: ordinary, and extreme.
 PULLS, EXTREME_PULLS = (-2.0, 3.0), (-9.0, 9.0)
-SLACKS, EXTREME_SLACKS = (-6.0, -0.05), (-15.0, -1e-9)
+SLACKS, EXTREME_SLACKS = (-6.0, -0.05), (-17.0, -1e-9)
 
 
 def composite(size: int, rng: np.random.Generator) -> Lines:
@@ -37,7 +37,9 @@ def slope(size: int, rng: np.random.Generator) -> Array:
     """Rise over chord: level, ordinary, nearly level or nearly upright."""
     ordinary, tiny = rng.uniform(-0.95, 0.95, size), 10.0 ** rng.uniform(-12.0, -1.0, size)
     sign = rng.choice([-1.0, 1.0], size)
-    return np.choose(rng.choice(4, size, p=[0.2, 0.5, 0.1, 0.2]), [0.0 * sign, ordinary, sign * tiny, sign - sign * tiny])
+    return np.choose(
+        rng.choice(4, size, p=[0.2, 0.5, 0.1, 0.2]), [0.0 * sign, ordinary, sign * tiny, sign - sign * 1e-4 * tiny]
+    )
 
 
 def pulled(size: int, rng: np.random.Generator) -> Lines:
