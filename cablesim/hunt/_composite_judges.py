@@ -117,7 +117,7 @@ def _distance_rounding(line: Lines, hung: Hung, off: Array) -> tuple[Array, Arra
     _, x_V, z_V = hung.rates()
     H = hung.H[:, 0]
     ours = (SUMMED * LONG_EPS * length(line) + np.abs(x_V) * _own_rounding(line, hung)) / hung.stiffness()
-    # Of a line that is not taut, a rounding of a section's length moves the vertex, and one of the distance the tension.
+    # Where the line is not taut, a rounding of a length moves the vertex, and one of the distance the tension.
     theirs = SUMMED * EPS * line["horizontal_distance"] + np.abs(x_V) * height_rounding(line, hung)
     slack_line = (length(line) - line["rise"]) * (length(line) + line["rise"]) > (
         SLACK * line["horizontal_distance"]

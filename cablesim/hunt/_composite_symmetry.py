@@ -17,7 +17,7 @@ CHANGE = 1e-3
 
 def other_end(case: Case, found: Results) -> Array:
     """The line hung from B to A has the same tensions; each of both lines may be off by what one may."""
-    other = case.solve(**turned(case))
+    other = case.solve((), **turned(case))
     backwards = np.column_stack([other.outputs["tension_A"], other.outputs["joint_tension"]])
     same = other.outputs | {
         "tension_A": other.outputs["tension_B"],
@@ -33,7 +33,7 @@ def halves(case: Case, found: Results) -> Array:
         "section_length": np.repeat(0.5 * case.parameters["section_length"], 2, axis=1),
         "section_weight": np.repeat(case.parameters["section_weight"], 2, axis=1),
     }
-    other = case.solve(**lists)
+    other = case.solve((), **lists)
     same = other.outputs | {"joint_tension": other.outputs["joint_tension"][:, 1::2]}
     return _apart(case, found, other.status == Status.ok, same)
 

@@ -22,8 +22,8 @@ TAUT = 1e-6
 def slack(line: Lines) -> Array:
     """How much longer than its chord each line is, to all digits."""
     rows = zip(line["section_length"], line["horizontal_distance"], line["rise"], strict=True)
-    excess = [_excess(lengths[np.isfinite(lengths)], x, z) for lengths, x, z in rows]
-    return np.array(excess) / (length(line) + np.hypot(line["horizontal_distance"], line["rise"]))
+    excess: Array = np.array([_excess(lengths[np.isfinite(lengths)], x, z) for lengths, x, z in rows])
+    return excess / (length(line) + np.hypot(line["horizontal_distance"], line["rise"]))
 
 
 def taut_tension(line: Lines, slack: Array) -> tuple[Array, Array]:

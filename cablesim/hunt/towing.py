@@ -48,7 +48,12 @@ def _laws(solver: str) -> dict[str, Judge]:
     """The handbook's line is of wire and chain in this order; only the exact methods meet B."""
     if solver == "composite_handbook":
         return {"equilibrium": equilibrium}
-    symmetries = {"equilibrium": equilibrium, "existence": existence, "other end": other_end, "halves": halves}
+    symmetries: dict[str, Judge] = {
+        "equilibrium": equilibrium,
+        "existence": existence,
+        "other end": other_end,
+        "halves": halves,
+    }
     return symmetries if solver == "composite_parabolic" else symmetries | {"harder pull": harder_pull}
 
 
