@@ -42,7 +42,7 @@ def solve_for_tension(
     lengths: Array, weights: Array, sections: np.ndarray, rise: Array, horizontal: Array
 ) -> tuple[Array, np.ndarray, np.ndarray, np.ndarray]:
     """Vertical tension at the joints, feasible, converged and evaluations, for lines of given horizontal tension."""
-    above, below = _rooms(*_totals(lengths, sections), rise)
+    above, below = rooms(*totals(lengths, sections), rise)
     vertical = np.full((lengths.shape[0], lengths.shape[1] + 1), np.nan)
     converged, evaluations = np.zeros(sections.size, dtype=bool), np.zeros(sections.size, dtype=np.int32)
     feasible = (above > 0.0) & (below > 0.0)
@@ -56,8 +56,8 @@ def solve_for_distance(
     lengths: Array, weights: Array, sections: np.ndarray, rise: Array, distance: Array
 ) -> tuple[Array, Array, np.ndarray, np.ndarray, np.ndarray]:
     """Horizontal tension, and what `solve_for_tension` gives, for lines of given horizontal distance."""
-    total, tail = _totals(lengths, sections)
-    above, below = _rooms(total, tail, rise)
+    total, tail = totals(lengths, sections)
+    above, below = rooms(total, tail, rise)
     excess = excess_of_squares(total, tail, distance, rise)
     vertical = np.full((lengths.shape[0], lengths.shape[1] + 1), np.nan)
     horizontal = np.full(sections.size, np.nan)
@@ -70,7 +70,7 @@ def solve_for_distance(
     return horizontal, vertical, feasible, converged, evaluations
 
 
-def _totals(lengths: Array, sections: np.ndarray) -> tuple[Array, Array]:
+def totals(lengths: Array, sections: np.ndarray) -> tuple[Array, Array]:
     """Length of every line as a float, and the part that the float cannot hold."""
     total, tail = np.zeros(sections.size), np.zeros(sections.size)
     for column in lengths.T:
@@ -79,7 +79,7 @@ def _totals(lengths: Array, sections: np.ndarray) -> tuple[Array, Array]:
     return two_sum(total, tail)
 
 
-def _rooms(total: Array, tail: Array, rise: Array) -> tuple[Array, Array]:
+def rooms(total: Array, tail: Array, rise: Array) -> tuple[Array, Array]:
     """Length less rise, and length plus rise."""
     less, less_tail = two_sum(total, -rise)
     more, more_tail = two_sum(total, rise)

@@ -14,6 +14,7 @@ import numpy as np
 from cablesim.solver import Solution
 from cablesim.solvers._composite_line import OUTPUTS, Options, hang_from_vertex, over_sections
 from cablesim.solvers._composite_line import PulledLine as Parameters
+from cablesim.solvers._composite_solve import rooms, totals
 from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
@@ -27,8 +28,9 @@ def solve(p: Parameters, options: Options) -> Solution:
     weight = p.section_weight * p.section_length
     before = np.cumsum(weight, axis=1) - weight
     mean = over_sections(p.section_length * (before + 0.5 * weight)) / total
-    square = (total - p.rise) * (total + p.rise)
-    feasible = square > 0.0
-    lean = p.rise / np.sqrt(np.where(feasible, square, 1.0))
+    # A rounded sum of lengths may exceed a rise that the lengths do not.
+    above, below = rooms(*totals(p.section_length, p.sections), p.rise)
+    feasible = (above > 0.0) & (below > 0.0)
+    lean = p.rise / np.sqrt(np.where(feasible, above * below, 1.0))
     line = hang_from_vertex(p, p.horizontal_tension, p.rise, p.horizontal_tension * lean - mean, options)
     return Solution(np.where(feasible, Status.ok, Status.infeasible).astype(np.int8), line)

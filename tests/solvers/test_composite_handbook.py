@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from cablesim.batch import solve
+from cablesim.hunt._composite_laws import Lines, misfits, vertical, weight
 from cablesim.status import Status
-from tests.composite_check import IN_WATER, SHAPE, Lines, misfits, solved, vertical, weight
+from tests.composite_check import IN_WATER, SHAPE, solved
 from tests.helpers import PUBLISHED, read_table
 
 SOLVER = "composite_handbook"

@@ -6,23 +6,10 @@ import numpy as np
 import pytest
 
 from cablesim.batch import solve
+from cablesim.hunt._composite_laws import Lines, joints, length, misfits, number, vertical, weight
 from cablesim.numerics import Array
 from cablesim.status import Status
-from tests.composite_check import (
-    GIVEN,
-    IN_WATER,
-    OUTPUTS,
-    SHAPE,
-    Lines,
-    joints,
-    length,
-    misfits,
-    number,
-    random_lines,
-    solved,
-    vertical,
-    weight,
-)
+from tests.composite_check import GIVEN, IN_WATER, OUTPUTS, SHAPE, random_lines, solved
 from tests.helpers import PUBLISHED, REFERENCE, draw, read_table, relative_error, rows
 
 SOLVER = "composite_line"

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from cablesim.batch import solve
+from cablesim.hunt._composite_laws import Lines, length, weight
 from cablesim.status import Status
-from tests.composite_check import GIVEN, Lines, length, random_lines, solved, weight
+from tests.composite_check import GIVEN, random_lines, solved
 from tests.helpers import rows
 
 SOLVER = "composite_mean_weight"

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from cablesim.batch import solve
+from cablesim.hunt._composite_laws import Lines, length, misfits, vertical, weight
 from cablesim.numerics import Array
 from cablesim.status import Status
-from tests.composite_check import Lines, length, misfits, random_lines, solved, vertical, weight
+from tests.composite_check import random_lines, solved
 from tests.helpers import rows
 
 SOLVER = "composite_parabolic"
@@ -100,3 +101,13 @@ def test_a_line_among_longer_lists_is_solved_as_if_alone() -> None:
         for name, values in solved(alone, solver=SOLVER).items():
             own = together[name][i, :sections] if name.startswith("joint") else together[name][i]
             np.testing.assert_array_equal(values[0], own, err_msg=name)
+
+
+def test_a_line_is_as_long_as_its_sections_are_and_not_as_their_rounded_sum() -> None:
+    """Three short sections each add a rounding of 1 to it where together they add less than two; four add none."""
+    u = 2.0**-52
+    line = {"section_length": [[1.0, 0.6 * u, 0.6 * u, 0.6 * u, np.nan], [1.0, 0.4 * u, 0.4 * u, 0.4 * u, 0.4 * u]]}
+    line |= {"section_weight": np.where(np.isnan(line["section_length"]), np.nan, 1.0), "horizontal_tension": 1.0}
+    for rise, expected in ((1.0 + 2.0 * u, [Status.infeasible] * 2), (1.0 + u, [Status.ok] * 2)):
+        np.testing.assert_array_equal(solve(SOLVER, line | {"rise": rise}).status, expected)
+        np.testing.assert_array_equal(solve(SOLVER, line | {"rise": -rise}).status, expected)
