@@ -176,6 +176,29 @@ def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
     return EXIT_FLAGGED if differs else 0
 
 
+@cli.command()
+@click.argument("solvers", nargs=-1, metavar="[SOLVER...]")
+@click.option("--scenarios", default=10_000, help="How many in all, shared by the solvers.")
+@click.option("--seed", default=1, help="Other scenarios.")
+@click.option("--part", default="1/1", metavar="I/N", help="Only the I-th of N parts of the hunt.")
+@click.option("--write", type=click.Path(path_type=Path), help="Write the counts to this CSV file.")
+def hunt(solvers: tuple[str, ...], scenarios: int, seed: int, part: str, write: Path | None) -> int:
+    """Hunt for answers that are wrong in silence. Exit code 0: none found, 1: some are wrong."""
+    from cablesim.hunt import _hunt, _printed
+
+    if scenarios < 1 or seed < 0:
+        raise InputError("--scenarios must be at least 1 and --seed at least 0")
+    own_part, tallies = _part(part), []
+    for solver, size in _hunt.shares(_hunt.chosen(solvers), scenarios).items():
+        tallies.append(_hunt.hunt(solver, size, seed, own_part, lambda wrong: click.echo(_printed.wrong_line(wrong))))
+        click.echo(_printed.summary(tallies[-1]))
+    if write is not None:
+        _printed.write_tallies(write, tallies)
+    wrong = sum(tally.number_wrong for tally in tallies)
+    click.echo(f"{sum(tally.scenarios for tally in tallies)} scenarios, {wrong} wrong in silence")
+    return EXIT_FLAGGED if wrong else 0
+
+
 @cli.group()
 def step() -> None:
     """The steps of the workflow, as the rules call them."""
@@ -276,6 +299,13 @@ def _pairs(texts: tuple[str, ...]) -> dict[str, str]:
             raise InputError(f"'{name.strip()}' is given twice")
         pairs[name.strip()] = value.strip()
     return pairs
+
+
+def _part(text: str) -> tuple[int, int]:
+    first, slash, last = text.partition("/")
+    if not (slash and first.isdecimal() and last.isdecimal() and 1 <= int(first) <= int(last)):
+        raise InputError(f"--part must be I/N with 1 <= I <= N, not '{text[:60]}'")
+    return int(first), int(last)
 
 
 def _names(text: str | None) -> tuple[str, ...]:
