@@ -14,8 +14,8 @@ from cablesim.batch import Results
 from cablesim.errors import InputError, nearest
 from cablesim.hunt import _generic
 from cablesim.hunt._case import Case, Judge
-from cablesim.hunt._draw import draw_any
-from cablesim.quantities import quantity
+from cablesim.hunt._draw import draw_any, number_of_sections
+from cablesim.quantities import LIST, is_list, quantity
 from cablesim.solver import load_solver, solver_names
 from cablesim.status import Status
 
@@ -121,9 +121,18 @@ def _judge(case: Case, tally: Tally) -> list[Wrong]:
     results = case.solve(_outputs(case))
     ok = results.status == Status.ok
     sound = case.rows(ok)
-    outputs = {name: values[ok] for name, values in results.outputs.items()}
-    answers = Results(outputs, results.status[ok], results.iterations[ok], results.seconds)
+    answers = _of_sound(results, ok, sound)
     return tally.add(sound, results.status, judge(sound, answers) if ok.any() else {})
+
+
+def _of_sound(results: Results, ok: np.ndarray, sound: Case) -> Results:
+    """The results of scenarios that are ok, lists as wide as the longest line among them."""
+    longest = int(number_of_sections(sound.parameters).max(initial=0)) if any(map(is_list, sound.parameters)) else 0
+    outputs = {
+        name: values[ok][:, : longest] if quantity(name).dims[:1] == LIST else values[ok]
+        for name, values in results.outputs.items()
+    }
+    return Results(outputs, results.status[ok], results.iterations[ok], results.seconds)
 
 
 def _outputs(case: Case) -> tuple[str, ...]:
