@@ -21,10 +21,16 @@ def extended(values: Array) -> np.ndarray:
 
 
 def excess_of_squares(length: Array, span: Array, rise: Array) -> np.ndarray:
-    """length**2 - span**2 - rise**2, summed from exact products of halves, the large ones first."""
-    halves = [_halves(values) for values in (length, span, rise)]
-    high, middle, low = ([a * a for a, _ in halves], [2 * a * b for a, b in halves], [b * b for _, b in halves])
-    return sum(part[0] - part[1] - part[2] for part in (high, middle, low))
+    """length**2 - span**2 - rise**2, from exact products of halves, summed with what every sum leaves out."""
+    total = rest = extended(np.zeros_like(length))
+    for sign, values in ((1, length), (-1, span), (-1, rise)):
+        high, low = _halves(values)
+        for term in (sign * high * high, sign * 2 * high * low, sign * low * low):
+            longer = total + term
+            shared = longer - total
+            rest = rest + ((total - (longer - shared)) + (term - shared))
+            total = longer
+    return total + rest
 
 
 def sinhc_excess(x: np.ndarray) -> np.ndarray:

@@ -22,6 +22,8 @@ LAW = 1e-13
 # So much longer is the line that must be less taut.
 LONGER = 1.001
 NEWTON_STEPS = 40
+# Instead of nothing, under nothing.
+TINY = 1e-300
 # Elastic equations are nearly linear in the logarithms, and are started from the answer to be judged.
 POLISHING_STEPS = 8
 SMALL_STEP = 1e-6
@@ -175,9 +177,8 @@ def exact_line(case: Case, results: Results) -> Array:
         angle = angle - (log_sinhc(angle) - target) / slope
     length = extended(_length(case))
     mean = np.arcsinh(rise / span / (1 + sinhc_excess(angle)))
-    # Slack is known to PRECISION of the length, in two parts that cancel, where supports are at two levels.
-    precision = EXACT + 8 * PRECISION * (1 + np.abs(rise / span)) / angle
-    return _worst_of_curve(case, results, angle, mean, length, extended(0.0 * _rise(case)), precision)
+    precision = np.full(case.size, EXACT)
+    return _worst_of_curve(case, results, angle, mean, length, extended(np.zeros(case.size)), precision)
 
 
 def elastic_line(case: Case, results: Results) -> Array:
@@ -199,9 +200,9 @@ def elastic_line(case: Case, results: Results) -> Array:
         here = log_ratio(angle)
         slope = (log_ratio(angle * (1 + SMALL_STEP)) - here) / SMALL_STEP
         angle = angle * np.exp(np.clip(-here / slope, -1, 1))
-    mean = np.arctanh(rise / length / (1 + strain / np.tanh(angle)))
+    mean = np.arcsinh(rise / span * (angle + strain) / (np.sinh(angle) + strain * np.cosh(angle)))
     # The equation in its plain form feels lambda by its slope: as little as it does, so little of lambda is known.
-    precision = ELASTIC + 16 * PRECISION * (1 + 1 / slope)
+    precision = (ELASTIC + 16 * PRECISION * (1 + 1 / slope)).astype(float)
     return _worst_of_curve(case, results, angle, mean, length, strain, precision)
 
 
@@ -213,7 +214,7 @@ def _worst_of_curve(
     mean: np.ndarray,
     length: np.ndarray,
     strain: np.ndarray,
-    precision: np.ndarray,
+    precision: Array,
 ) -> Array:
     """By how much any output differs from the same of a curve known by lambda, mu and e."""
     p, found = case.parameters, results.outputs
@@ -235,19 +236,25 @@ def _worst_of_curve(
     vertex = a * ((angle - mean) + stretch * np.sinh(angle - mean))
     far = a * ((angle + np.abs(mean)) + stretch * np.sinh(upper))
     worst = np.fmax(worst, off(found["vertex_x"], vertex, far))
-    return np.fmax(worst, (np.abs(_sag(case, a, mean, angle, stretch) / found["sag"] - 1)).astype(float)) / (
-        precision.astype(float)
+    return np.fmax(worst, (np.abs(_sag(case, a, angle, strain, stretch) / found["sag"] - 1)).astype(float)) / (
+        precision
     )
 
 
-def _sag(case: Case, a: np.ndarray, mean: np.ndarray, angle: np.ndarray, stretch: np.ndarray) -> np.ndarray:
-    """Below the chord, where the slope is that of the chord, counted from the support that is nearer."""
+def _sag(case: Case, a: np.ndarray, angle: np.ndarray, strain: np.ndarray, stretch: np.ndarray) -> np.ndarray:
+    """Below the chord, where the slope is that of the chord, counted from the upper support.
+
+    The line at mid-angle leans less than its chord by a share of lag / (lambda + e + lag).
+    """
     slope = np.abs(extended(_rise(case)) / extended(case.parameters["span"]))
-    parallel = np.arcsinh(slope)
-    turn = angle + np.abs(mean) - parallel
-    rise = 2 * a * np.sinh(parallel + turn / 2) * np.sinh(turn / 2)
-    rigid = rise - slope * a * turn
-    gain = np.sinh(parallel + turn) - slope
+    lag = angle * sinhc_excess(angle) + 2 * strain * np.sinh(angle / 2) ** 2
+    less = slope * lag / (angle + strain + lag)
+    mean = slope - less
+    secant = np.hypot(1, slope)
+    leaned = np.arcsinh(less * (slope + mean) / np.maximum(slope * np.hypot(1, mean) + mean * secant, TINY))
+    turn = angle - leaned
+    rigid = a * (2 * secant * np.sinh(turn / 2) ** 2 + slope * turn * sinhc_excess(turn))
+    gain = secant * np.sinh(turn) + 2 * slope * np.sinh(turn / 2) ** 2
     return rigid + a * stretch * gain**2 / 2
 
 
