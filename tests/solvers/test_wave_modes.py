@@ -153,3 +153,20 @@ def test_lines_that_have_no_rest_have_no_vibrations():
 def test_only_explicit_methods_have_a_stable_step():
     with pytest.raises(InputError, match="integrator"):
         vibrations(STRING, integrator="generalized_alpha")
+
+
+def test_a_line_that_drifts_across_while_it_is_marched_is_not_taken_for_unstable():
+    """Found by the hunt: buoyant, hardly pulled and hardly stretching, it was given 0.7 of its stable step."""
+    light = {
+        "depth": 192.35302302317407,
+        "chord_angle": 1.5566197229592604,
+        "length_ratio": 1.0001083223052911,
+        "mass_per_length": 0.5780529261962216,
+        "area": 0.0006716281272440016,
+        "linear_stiffness": 413424637532.8284,
+        "normal_drag": 0.0,
+        "tangential_drag": 0.0,
+        "wave_period": 6.8,
+    }
+    found = solve("wave_modes", light, {"segments": 4, "added_mass": "isotropic"}).outputs
+    assert abs(found["stable_step"][0] / found["stable_step_limit"][0] - 1.0) < 0.01
