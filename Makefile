@@ -4,9 +4,9 @@ BIN := .venv/bin
 LOCKED := $(BIN)/python -m pip install --quiet --require-hashes --requirement
 SELF := $(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 
-.PHONY: study test bench lock references clean
+.PHONY: study test bench hunt lock references clean
 
-study: .venv/study  ## Compute the default study into results/default/.
+study: .venv/peers  ## Compute the default study into results/default/.
 	$(BIN)/snakemake --workflow-profile workflow/profiles/default
 
 test: .venv/test  ## Formatting, types, import directions and all tests.
@@ -26,18 +26,24 @@ bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/wave_peers.py
 	$(BIN)/python benchmarks/wave_lines.py
 
+hunt: .venv/study  ## Hunt for answers that are wrong without saying so: a million scenarios, hours.
+	$(BIN)/cablesim hunt --scenarios 1000000
+
 references: .venv/test  ## Recompute the high-precision references of the tests.
 	$(BIN)/python tests/reference/make_catenary_references.py
 	$(BIN)/python tests/reference/make_composite_references.py
 	$(BIN)/python tests/reference/make_stream_references.py
 	$(BIN)/python tests/reference/make_strength_references.py
 	$(BIN)/python tests/reference/make_wave_references.py
+	$(BIN)/python tests/reference/make_precision_references.py
 
 lock:  ## Resolve the dependencies anew (needs uv).
 	uv pip compile --quiet --universal --generate-hashes --no-header --extra build \
 	  pyproject.toml --output-file requirements.lock
 	uv pip compile --quiet --universal --generate-hashes --no-header --extra build --extra test \
 	  --constraint requirements.lock pyproject.toml --output-file requirements-test.lock
+	echo "moordyn moorpy" | tr ' ' '\n' | uv pip compile --quiet --universal --generate-hashes --no-header --no-deps \
+	  --constraint requirements-test.lock - --output-file requirements-peers.lock
 
 .venv/study: requirements.lock pyproject.toml
 	test -d .venv || $(PYTHON) -m venv .venv
@@ -47,6 +53,11 @@ lock:  ## Resolve the dependencies anew (needs uv).
 
 .venv/test: requirements-test.lock .venv/study
 	$(LOCKED) requirements-test.lock
+	touch $@
+
+# Other people's programs to compare with, where they can be had: without them their methods are `unavailable`.
+.venv/peers: requirements-peers.lock .venv/study
+	$(LOCKED) requirements-peers.lock --no-deps || echo "MoorPy and MoorDyn are left out: they cannot be installed here."
 	touch $@
 
 clean:  ## Remove the environment; results are kept.

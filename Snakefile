@@ -1,4 +1,4 @@
-"""Config to tables and figures: sample -> solve -> collect -> summarise -> figures.
+"""Config to tables and figures: sample -> solve -> [measure ->] collect -> summarise -> figures.
 
 Shards and stamps are named by their content, so a file that exists is up to date: adding a value, a method or a scene
 computes only what is new, whatever the clocks say. The designs are sampled while this file is read, because the shards
@@ -14,7 +14,7 @@ study = plan_study((workflow.configfiles or [Path("config/config.yaml")])[-1])
 
 wildcard_constraints:
     scene="[a-z][a-z0-9_]*",
-    shard="[0-9a-f]{24}",
+    bundle="[0-9a-f]{24}",
 
 
 rule all:

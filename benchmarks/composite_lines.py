@@ -13,12 +13,16 @@ from dataclasses import dataclass
 from time import process_time
 
 import numpy as np
-from composite_peers import Line, by_brentq, by_fsolve, by_moorpy, in_arrays, in_digits, in_floats, subsystem
-from exact_catenary import Lines, quiet, some
-from measure import Costs, interleaved, machine, markdown, measure, revision
+from composite_peers import Line, by_brentq, by_fsolve, by_moorpy, in_digits
+from exact_catenary import Lines, some
+from measure import Costs, interleaved, markdown, measure, revision
 
 from cablesim import batch
+from cablesim.machine import machine
 from cablesim.numerics import Array
+from cablesim.peers._each import silenced
+from cablesim.peers.fsolve_composite import in_arrays, in_floats
+from cablesim.peers.moorpy_composite import subsystem
 
 SEED = 22
 MICRO, MILLI = 1e-6, 1e-3
@@ -137,7 +141,7 @@ def run(lines: Lines, peers: list[Peer], checked: int, repeats: int) -> Findings
 def each(peer: Peer) -> Answer:
     """One call for each line."""
     found, seconds = [], []
-    with quiet():
+    with silenced():
         for line in peer.lines:
             start = process_time()
             found.append(peer.solve(line))

@@ -9,17 +9,12 @@ A million random lines are solved in one process, every output that is one numbe
 """
 
 import argparse
-import contextlib
-import io
-import sys
-import warnings
-from collections.abc import Iterator
 
 import numpy as np
-from measure import Costs, interleaved, machine, markdown, revision
-from moorpy.Catenary import catenary
+from measure import Costs, interleaved, markdown, revision
 
 from cablesim import batch
+from cablesim.machine import machine
 from cablesim.numerics import Array
 
 Lines = dict[str, Array]
@@ -27,8 +22,6 @@ Calls = list[tuple[np.ufunc, Array]]
 
 SEED = 20
 AXIAL_STIFFNESS = 1e12
-# How far MoorPy's seabed lies below the supports: deeper than the longest line hangs.
-SEABED = 1e4
 PERMITTED_ERROR = 1e-3
 BLOCK = 4096
 END_TENSIONS = ("horizontal_tension", "tension_A", "tension_B")
@@ -89,33 +82,9 @@ def call_in_blocks(calls: Calls, room: Array) -> None:
 
 def moorpy_tensions(lines: Lines) -> Array:
     """MoorPy's tensions at both ends, shape (2, line); NaN where it gives up."""
-    with quiet():
-        return np.array([moorpy_line(*line) for line in zip(*lines.values(), strict=True)]).T
-
-
-def moorpy_line(span: float, rise: float, line_length: float, weight: float) -> tuple[float, float]:
-    try:
-        fx_A, fz_A, fx_B, fz_B, _ = catenary(span, rise, line_length, AXIAL_STIFFNESS, weight, CB=-SEABED - abs(rise))
-    except Exception:
-        # Whatever it raises, from its own error to a failed inversion, it has not solved the line.
-        return np.nan, np.nan
-    return np.hypot(fx_A, fz_A), np.hypot(fx_B, fz_B)
-
-
-@contextlib.contextmanager
-def quiet() -> Iterator[None]:
-    """MoorPy prints its iterations and enters the debugger where it fails: no output, and an exception instead."""
-
-    def give_up() -> None:
-        raise ArithmeticError
-
-    before, sys.breakpointhook = sys.breakpointhook, give_up
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        sys.breakpointhook = before
+    given = {**lines, "axial_stiffness": AXIAL_STIFFNESS}
+    found = batch.solve("moorpy_catenary", given, outputs=("tension_A", "tension_B")).outputs
+    return np.array(list(found.values()))
 
 
 def verdict(lines: Lines) -> str:

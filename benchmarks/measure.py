@@ -1,16 +1,11 @@
-"""What the benchmarks share: timings in wall and processor time, the machine in words, a Markdown table, silence."""
+"""What the benchmarks share: timings in wall and processor time, the revision, a Markdown table."""
 
-import os
-import platform
 import resource
 import statistics
 import subprocess
-import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 
@@ -69,13 +64,6 @@ def interleaved(actions: dict[str, Callable[[], object]], repeats: int) -> dict[
     return {name: Costs(tuple(costs)) for name, costs in runs.items()}
 
 
-def machine(*packages: str) -> str:
-    """Processor, cores and versions, in one line."""
-    versions = ", ".join(f"{package} {version(package)}" for package in packages)
-    python = f"Python {platform.python_version()}"
-    return f"{_processor()}, {os.cpu_count()} cores, {platform.system()}, {python}, {versions}"
-
-
 def revision() -> str:
     """The revision of the sources that were measured."""
     command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
@@ -92,27 +80,3 @@ def markdown(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 def _processor_seconds() -> float:
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(usage.ru_utime + usage.ru_stime for usage in used)
-
-
-def _processor() -> str:
-    information = Path("/proc/cpuinfo")
-    if not information.is_file():
-        return platform.processor() or platform.machine()
-    lines = information.read_text(encoding="utf-8").splitlines()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
-
-
-@contextmanager
-def silence() -> Iterator[None]:
-    """MoorDyn's library writes to the process's own output, past Python's."""
-    sys.stdout.flush()
-    kept = {stream: os.dup(stream) for stream in (1, 2)}
-    try:
-        with Path(os.devnull).open("wb") as nowhere:
-            for stream in kept:
-                os.dup2(nowhere.fileno(), stream)
-        yield
-    finally:
-        for stream, copy in kept.items():
-            os.dup2(copy, stream)
-            os.close(copy)

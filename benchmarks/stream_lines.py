@@ -15,14 +15,16 @@ import tempfile
 from collections.abc import Callable
 
 import numpy as np
-import stream_peers
-from exact_catenary import quiet
-from measure import Costs, interleaved, machine, markdown, revision
+from measure import Costs, interleaved, markdown, revision
 from scipy.integrate import solve_ivp
 from stream_peers import Line, moordyn, moordyn_line, moorpy_line, pode_functions, pode_reference, shooting
 
 from cablesim import batch
+from cablesim.machine import machine
 from cablesim.numerics import Array
+from cablesim.peers._each import silenced
+from cablesim.peers.ivp_line import line_slope
+from cablesim.physics.stream import FRICTION_LAWS
 
 Lines = dict[str, Array]
 
@@ -202,7 +204,7 @@ def end_gap(lines: Lines, forces: Array) -> float:
     for line, force in zip(one_by_one(lines, LAW), forces[:, 0], strict=True):
         start = np.concatenate([np.zeros(3), force])
         size = np.repeat([line["line_length"], np.linalg.norm(force)], 3)
-        slope = stream_peers.line_slope(line)
+        slope = line_slope(line | {"friction_law": FRICTION_LAWS.index(line["friction_law"])})
         last = solve_ivp(slope, (0.0, line["line_length"]), start, "DOP853", rtol=1e-13, atol=1e-13 * size).y[:3, -1]
         gaps.append(np.linalg.norm(last - line["position_B"]) / line["line_length"])
     return max(gaps)
@@ -210,7 +212,7 @@ def end_gap(lines: Lines, forces: Array) -> float:
 
 def each(action: Callable[[Line], Array], lines: list[Line]) -> Array:
     """One call for each line."""
-    with quiet():
+    with silenced():
         return np.array([action(line) for line in lines])
 
 

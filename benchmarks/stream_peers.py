@@ -1,27 +1,25 @@
 """The other ways to the same answers: SciPy's integrators, a reference in 30 digits, MoorDyn and MoorPy.
 
 Each takes one case at a time, as its users would, and is set up as well as we know how: scalar right-hand sides, a
-split where the friction of Pode's functions changes its sign, first guesses from a catenary, the integrator that is
-fastest at the accuracy asked for (DOP853 for the functions, LSODA for shooting), MoorDyn's fastest stable scheme.
+split where the friction of Pode's functions changes its sign, the integrator that is fastest at the accuracy asked for
+(DOP853 for the functions), MoorDyn's fastest stable scheme. Lines between two points are those of `cablesim.peers`.
 """
 
 import math
 import tempfile
-import warnings
-from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import moorpy
 import mpmath as mp
 import numpy as np
-from measure import silence
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, fsolve
 
+from cablesim import batch
 from cablesim.numerics import Array
+from cablesim.peers._each import muted
+from cablesim.peers.moorpy_stream import DEPTH, GRAVITY, SEABED, axial_stiffness, mass_per_length
 
 try:
     import moordyn
@@ -29,21 +27,12 @@ except ImportError:
     moordyn = None
 
 Line = dict[str, Any]
-Slope = Callable[[float, Array], tuple[float, ...]]
 
-GRAVITY = 9.81
 # The ends of the reference's panels are this far apart, as a share of the distance to the nearer singular angle.
 PANEL = 0.5
 DIGITS = 30
 NODES = 24
-# Lines for MoorDyn and MoorPy lie this deep, clear of the surface, and the seabed is out of reach.
-DEPTH = 3000.0
-SEABED = 10_000.0
-# A stiff line stretches by this at its largest tension; shorter time steps for MoorDyn are the price of less.
-STRAIN = 5e-4
 SEGMENTS = 50
-# Length that MoorPy is given.
-SHORT = 90.0
 STEADY = 2e-5
 LOOK_EVERY = 10.0
 LONGEST = 600.0
@@ -135,119 +124,15 @@ def _panel_rule() -> tuple[list[mp.mpf], list[list[mp.mpf]], list[mp.mpf]]:
 
 
 def shooting(line: Line, rtol: float) -> Array:
-    """Force vectors at A and B, shape (2, 3): `solve_ivp` inside `fsolve`, from a catenary under a uniform load.
-
-    NaN where it fails: where it says so, where an integration breaks down, or where the line ends elsewhere.
-    """
-    length, end = line["line_length"], line["position_B"]
-    scale, slope = _typical_load(line) * length, line_slope(line)
-
-    def ends(force: Array) -> Array:
-        start = np.concatenate([np.zeros(3), scale * force])
-        found = solve_ivp(slope, (0.0, length), start, "LSODA", rtol=0.1 * rtol, atol=_small(0.1 * rtol, line))
-        if not found.success:
-            raise ArithmeticError(found.message)
-        return found.y[:, -1]
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        try:
-            force, _, flag, _ = fsolve(
-                lambda force: (ends(force)[:3] - end) / length,
-                first_guess(line) / scale,
-                full_output=True,
-                xtol=0.1 * rtol,
-                epsfcn=1e-8,
-            )
-            last = ends(force)
-        except (ArithmeticError, ValueError):
-            return np.full((2, 3), np.nan)
-    if flag != 1 or np.linalg.norm(last[:3] - end) > 10 * rtol * length:
-        return np.full((2, 3), np.nan)
-    return np.array([scale * force, last[3:]])
-
-
-def line_slope(line: Line) -> Slope:
-    """The right-hand side: position grows along the force, the force falls by the load."""
-    weight, normal, along = line["weight_per_length"], *drag(line)
-    squared = line["friction_law"] == "cosine_squared"
-
-    def slope(_: float, state: Array) -> tuple[float, ...]:
-        *_, fx, fy, fz = state.tolist()
-        tension = math.sqrt(fx * fx + fy * fy + fz * fz)
-        x, y, z = fx / tension, fy / tension, fz / tension
-        across = normal * math.sqrt(max(1.0 - x * x, 0.0))
-        friction = along * (x * abs(x) if squared else math.copysign(1.0, x))
-        pull = friction - across * x
-        return x, y, z, -(across + pull * x), -pull * y, weight - pull * z
-
-    return slope
-
-
-def drag(line: Line) -> tuple[float, float]:
-    """Normal and tangential drag per length."""
-    half = 0.5 * line["fluid_density"] * line["stream_speed"] ** 2 * line["diameter"]
-    return line["normal_drag_coefficient"] * half, line["tangential_drag_coefficient"] * half
-
-
-def first_guess(line: Line) -> Array:
-    """Force at A of the catenary under the load that the straight chord would feel."""
-    length, chord = line["line_length"], line["position_B"]
-    load = -np.array(line_slope(line)(0.0, np.concatenate([np.zeros(3), chord]))[3:])
-    magnitude = np.linalg.norm(load)
-    up = -load / magnitude
-    rise = chord @ up
-    across = chord - rise * up
-    # A chord along the load has no span; a small one stands for it.
-    span = max(np.linalg.norm(across), 1e-2 * length)
-    ratio = math.sqrt(length**2 - rise**2) / span
-    half = brentq(lambda x: math.log(math.sinh(x) / x / max(ratio, 1.0 + 1e-9)), 1e-6, 50.0)
-    sideways = across / max(np.linalg.norm(across), 1e-9 * length)
-    return 0.5 * magnitude * (span / half * sideways + (rise / math.tanh(half) - length) * up)
-
-
-def _typical_load(line: Line) -> float:
-    return abs(line["weight_per_length"]) + sum(drag(line))
-
-
-def _small(rtol: float, line: Line) -> Array:
-    length = line["line_length"]
-    return rtol * np.repeat([length, _typical_load(line) * length], 3) * 0.1
+    """Force vectors at A and B, shape (2, 3), by `solve_ivp` inside `fsolve`; NaN where it fails."""
+    found = batch.solve("ivp_line", line, {"rtol": rtol}, ("force_A", "force_B")).outputs
+    return np.array([found["force_A"][0], found["force_B"][0]])
 
 
 def moorpy_line(line: Line) -> Array:
-    """MoorPy's tensions at A and B: drag as a uniform load, corrected until it is that of the found shape.
-
-    The line is made short, and the tensions long again: in a current MoorPy puts its seabed 100 m below the lower end.
-    """
-    shorter = SHORT / line["line_length"]
-    end = shorter * line["position_B"]
-    system = moorpy.System(depth=SEABED, rho=line["fluid_density"], g=GRAVITY)
-    system.currentMod, system.current = 1, np.array([line["stream_speed"], 0.0, 0.0])
-    system.lineTypes["line"] = {
-        "name": "line",
-        "d_vol": line["diameter"],
-        "m": mass_per_length(line),
-        "EA": shorter * axial_stiffness(line),
-        "w": line["weight_per_length"],
-        "Cd": line["normal_drag_coefficient"],
-        "CdAx": line["tangential_drag_coefficient"] / math.pi,
-    }
-    start = np.array([0.0, 0.0, -DEPTH])
-    system.addPoint(1, start)
-    system.addPoint(1, start + end)
-    system.addLine(SHORT, "line", nSegs=SEGMENTS, pointA=1, pointB=2)
-    between = system.lineList[0]
-    between.setEndPosition(start, 0)
-    between.setEndPosition(start + end, 1)
-    before = np.zeros(2)
-    for _ in range(100):
-        between.staticSolve(tol=1e-8)
-        found = np.array([between.TA, between.TB])
-        if np.all(np.abs(found - before) < 1e-6 * found):
-            return found / shorter
-        before = found
-    return np.full(2, np.nan)
+    """MoorPy's tensions at A and B: drag as a uniform load, corrected until it is that of the found shape."""
+    found = batch.solve("moorpy_stream", line, outputs=("tension_A", "tension_B")).outputs
+    return np.array([found["tension_A"][0], found["tension_B"][0]])
 
 
 def moordyn_line(line: Line) -> Array:
@@ -258,7 +143,7 @@ def moordyn_line(line: Line) -> Array:
         speed = line["stream_speed"]
         profile = "\n".join(["---", "uniform", "z ux uy uz", f"{-SEABED} {speed} 0 0", f"0 {speed} 0 0", ""])
         path.with_name("current_profile.txt").write_text(profile, encoding="utf-8")
-        with silence():
+        with muted():
             system = moordyn.Create(str(path))
             try:
                 if moordyn.Init(system, [], []) != 0:
@@ -279,17 +164,6 @@ def _until_steady(system: object) -> Array:
             return found
         before = found
     return np.full(2, np.nan)
-
-
-def mass_per_length(line: Line) -> float:
-    """Mass whose weight in water is the line's."""
-    displaced = line["fluid_density"] * 0.25 * math.pi * line["diameter"] ** 2
-    return line["weight_per_length"] / GRAVITY + displaced
-
-
-def axial_stiffness(line: Line) -> float:
-    """A stiffness that leaves little stretch."""
-    return _typical_load(line) * line["line_length"] / STRAIN
 
 
 def _moordyn_input(line: Line) -> str:

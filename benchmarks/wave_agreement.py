@@ -13,8 +13,8 @@ import numpy as np
 
 from benchmarks.wave_check import PEAKS, Row, difference
 from cablesim.batch import solve
+from cablesim.hunt._wave_lines import random_scenarios, scenario
 from cablesim.status import Status
-from tests.wave_check import random_scenarios, scenario
 
 TRUE = "rk4"
 # Most steps of each method, and what limits its order.

@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 
 from cablesim.batch import solve
+from cablesim.hunt._wave_lines import random_scenarios, scenario
 from cablesim.physics.waves import m18_amplitude
 from cablesim.status import Status
-from tests.wave_check import random_scenarios, scenario
 
 RTOL = 1e-3
 # Part of the energy turned over, or of the largest peak, from which on a scenario is named.

@@ -17,11 +17,12 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from measure import Costs, interleaved, machine, markdown, revision
+from measure import Costs, interleaved, markdown, revision
 from stream_lines import first_call
 from wave_moordyn import CONVERGED, LINE, SNAPPING, Case, Extremes, Line, largest_step
 from wave_peers import SPREAD, TOGETHER, our_extremes, solving
 
+from cablesim.machine import machine
 from cablesim.solvers._wave_line import ORDERS
 
 Options = dict[str, Any]

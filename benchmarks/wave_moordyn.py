@@ -5,11 +5,7 @@
 The line is 283 m long from an anchor 200 m deep, its chord at 45 deg, the static tension at its top 40 kN; the top
 moves by 1.57 m to either side, horizontally, with a period of 5.6 s and a smooth start of two periods, through 60 s.
 
-MoorDyn's model is that of lumped mass but for two things: added mass and drag refer to the direction through both
-neighbours of a node and not to an element's, and drag acts at nodes with their velocity, not at the middle of elements.
-So its lines are put into water far from surface and bottom, start from the same equilibrium (which its own relaxation
-comes to, but slowly), and its end forces get the inertia of the half element that they lack. Its top end moves from
-place to place at constant velocity during each of its steps.
+What MoorDyn does differently, and what its end forces lack, is said by its adapter, `cablesim/peers/moordyn_line.py`.
 
 With EA = 1e8 N the line is jerked taut, and what rings then is as short as the elements and undamped. Its share of a
 peak is a matter of the step, not of the physics, so that peaks of the force's mean over 0.1 s are given as well, and
@@ -17,12 +13,8 @@ those of the line with internal damping, a two-thousandth of a second of EA.
 """
 
 import argparse
-import contextlib
 import csv
 import math
-import struct
-import tempfile
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
@@ -30,16 +22,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measure import measure, silence
+from measure import measure
 from scipy.optimize import brentq
 
 from cablesim import batch
 from cablesim.numerics import Array
-
-try:
-    import moordyn
-except ImportError:
-    moordyn = None
+from cablesim.peers._each import is_there
+from cablesim.peers.moordyn_line import Forces, run, stable_step
+from cablesim.solver import load_solver
 
 Line = dict[str, Any]
 
@@ -61,13 +51,12 @@ LINE: Line = {
 }
 RECORDED_PERIODS = 5
 AVERAGED = 0.1
-# MoorDyn's line hangs this far below its surface, clear of its bottom.
-SUNK, BOTTOM = 1000.0, 5000.0
 SCHEME = "RK4"
 SNAPPING = 1e8
-# Largest step of the classical Runge-Kutta method times the largest frequency, and the parts of it that are run: the
-# largest is stable and damps the shortest waves, the smallest is converged where the line does not snap.
-LIMIT, PRACTICAL, CONVERGED = 2.8284, 0.95, 0.2
+# Parts of the longest stable step that are run: the largest is stable and damps the shortest waves, the smallest is
+# converged where the line does not snap.
+PRACTICAL, CONVERGED = 0.95, 0.2
+HAS_MOORDYN = is_there("moordyn")
 
 SOURCE = """\
 # A line whose top is moved in still water, by MoorDyn {version} (RK4), written by benchmarks/wave_moordyn.py, where the
@@ -95,11 +84,6 @@ class Case:
             "internal_damping": self.damping,
             "length_ratio": ratio,
         }
-
-    @property
-    def element(self) -> float:
-        """Unstretched length of an element."""
-        return length_ratio(self.stiffness) * chord() / self.segments
 
     @property
     def snaps(self) -> bool:
@@ -133,11 +117,9 @@ class Extremes:
 
 @dataclass(frozen=True)
 class MoorDynRun:
-    """Times (step,) and forces on both ends (step, 3) after each step, and what the steps cost."""
+    """Forces on both ends after each step, and what the run cost."""
 
-    time: Array
-    top: Array
-    anchor: Array
+    forces: Forces
     seconds: float
 
 
@@ -163,116 +145,19 @@ def weight_per_length() -> float:
 
 def largest_step(case: Case) -> float:
     """At which the classical Runge-Kutta method is just stable on a line of lumped mass without damping."""
-    return LIMIT * 0.5 * case.element * math.sqrt(LINE["mass_per_length"] / case.stiffness)
+    return stable_step(load_solver("moordyn_line").make_parameters(case.line), case.segments)
 
 
 # MoorDyn
 
 
-def moordyn_run(case: Case, part: float, scheme: str = SCHEME) -> MoorDynRun:
+def moordyn_run(case: Case, part: float) -> MoorDynRun:
     """MoorDyn's forces, with steps that are a part of the largest."""
-    steps = math.ceil(LINE["duration"] / (part * largest_step(case)))
-    time = np.linspace(0.0, LINE["duration"], steps + 1)
-    step = float(time[1])
-    place = DEPTH + top_motion(time)[0]
-    velocity = np.diff(place) / step
-    with _moordyn_system(case, scheme, step) as (system, its_line):
-        top, anchor = [], []
-
-        def march() -> None:
-            for k, (x, v) in enumerate(zip(place[:-1].tolist(), velocity.tolist(), strict=True)):
-                top.append(moordyn.Step(system, [x, 0.0, -SUNK], [v, 0.0, 0.0], k * step, step))
-                anchor.append(moordyn.GetLineNodeForce(its_line, 0))
-
-        cost = measure(march)
-    inertia = 0.5 * case.element * top_motion(time[1:])[1]
-    return MoorDynRun(time[1:], np.array(top) - inertia[:, None] * _across(), np.array(anchor), cost.cpu)
-
-
-def top_motion(time: Array) -> tuple[Array, Array]:
-    """Displacement and acceleration of the top end, horizontal."""
-    omega, ramp = 2.0 * math.pi / LINE["wave_period"], LINE["ramp"]
-    s = np.minimum(time / ramp, 1.0)
-    rise = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
-    slope = 30.0 * (s * (1.0 - s)) ** 2 / ramp
-    bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / ramp**2
-    sine, cosine = np.sin(omega * time), np.cos(omega * time)
-    acceleration = (bend - omega**2 * rise) * sine + 2.0 * omega * slope * cosine
-    return LINE["top_amplitude"] * rise * sine, LINE["top_amplitude"] * acceleration
-
-
-def _across() -> Array:
-    """Inertia per length of a horizontal acceleration of the last element, which is taken to lie along the chord."""
-    mass, added = LINE["mass_per_length"], LINE["added_mass_per_length"]
-    return np.array([mass + 0.5 * added, 0.0, -0.5 * added])
-
-
-@contextlib.contextmanager
-def _moordyn_system(case: Case, scheme: str, step: float) -> Iterator[tuple[object, object]]:
-    """A system that is at rest, and its line."""
-    with tempfile.TemporaryDirectory() as folder, silence():
-        path = Path(folder) / "line.txt"
-        path.write_text(_moordyn_input(case, scheme, step), encoding="utf-8")
-        path.with_name("state").write_bytes(_moordyn_state(still_line(case)))
-        system = moordyn.Create(str(path))
-        try:
-            moordyn.Init_NoIC(system, [DEPTH, 0.0, -SUNK], [0.0, 0.0, 0.0])
-            moordyn.LoadState(system, str(path.with_name("state")))
-            yield system, moordyn.GetLine(system, 1)
-        finally:
-            moordyn.Close(system)
-
-
-@cache
-def still_line(case: Case) -> Array:
-    """Places of the nodes at rest, from the anchor, shape (node, 3); MoorDyn's equilibrium is the same."""
-    options = {"segments": case.segments, "mass": "lumped"}
-    given = case.line | {"duration": 0.01}
-    return batch.solve("wave_line", given, options, ("profile",)).outputs["profile"][0]
-
-
-def _moordyn_state(places: Array) -> bytes:
-    """MoorDyn's file of a state: two points, which are not free, and the places and velocities of the inner nodes."""
-    point = struct.pack("<QQ6d", 1, 6, *[0.0] * 6)
-    nodes = np.zeros((len(places) - 2, 6))
-    nodes[:, :3] = places[1:-1] - [0.0, 0.0, SUNK + DEPTH]
-    data = 2 * point + struct.pack("<QQ", len(nodes), 6) + nodes.astype("<f8").tobytes()
-    return b"MoorDyn" + struct.pack("<BBQQ", 2, 7, len(data) // 8 + 1, 3) + data
-
-
-def _moordyn_input(case: Case, scheme: str, step: float) -> str:
-    """The input file; tangential drag refers to pi times the diameter."""
-    density, area = LINE["fluid_density"], LINE["area"]
-    diameter = math.sqrt(4.0 * area / math.pi)
-    normal = LINE["normal_drag"] / (0.5 * density * diameter)
-    along = LINE["tangential_drag"] / (0.5 * density * diameter * math.pi)
-    added = LINE["added_mass_per_length"] / (density * area)
-    rule = "-" * 80
-    return f"""MoorDyn input: a line whose top is moved
-{rule}
----------------------- LINE TYPES
-TypeName Diam Mass/m EA BA/-zeta EI Cd Ca CdAx CaAx
-(-) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
-line {diameter} {LINE["mass_per_length"]} {case.stiffness} {case.damping} 0.0 {normal} {added} {along} 0.0
----------------------- POINTS
-Node Type X Y Z M V CdA CA
-(-) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
-1 Fixed 0 0 {-SUNK - DEPTH} 0 0 0 0
-2 Coupled {DEPTH} 0 {-SUNK} 0 0 0 0
----------------------- LINES
-Line LineType NodeA NodeB UnstrLen NumSegs Flags/Outputs
-(-) (-) (-) (-) (m) (-) (-)
-1 line 1 2 {case.segments * case.element} {case.segments} -
----------------------- OPTIONS
-0 writeLog
-1 disableOutTime
-{GRAVITY} g
-{density} WtrDnsty
-{BOTTOM} WtrDpth
-{scheme} tScheme
-{step} dtM
----------------------- need this line
-"""
+    solver = load_solver("moordyn_line")
+    options = solver.make_options({"segments": case.segments, "step_share": part})
+    runs: list[Forces] = []
+    cost = measure(lambda: runs.append(run(solver.make_parameters(case.line), options)))
+    return MoorDynRun(runs[0], cost.cpu)
 
 
 def extremes(time: Array, tension: Array) -> Extremes:
@@ -285,8 +170,8 @@ def extremes(time: Array, tension: Array) -> Extremes:
 
 
 def moordyn_extremes(case: Case, part: float) -> Extremes:
-    run = moordyn_run(case, part)
-    return extremes(run.time, np.linalg.norm(run.top, axis=1))
+    forces = moordyn_run(case, part).forces
+    return extremes(forces.time, np.linalg.norm(forces.top, axis=1))
 
 
 def write_moordyn(path: Path) -> None:
@@ -314,12 +199,13 @@ def write_moordyn(path: Path) -> None:
                 file.flush()
 
 
-def _written(case: Case, run: MoorDynRun) -> list[str]:
-    top = extremes(run.time, np.linalg.norm(run.top, axis=1))
-    anchor = extremes(run.time, np.linalg.norm(run.anchor, axis=1))
+def _written(case: Case, found: MoorDynRun) -> list[str]:
+    forces = found.forces
+    top = extremes(forces.time, np.linalg.norm(forces.top, axis=1))
+    anchor = extremes(forces.time, np.linalg.norm(forces.anchor, axis=1))
     values = (top.highest, top.averaged, top.lowest, anchor.highest, anchor.lowest)
     line = (f"{case.stiffness:g}", f"{case.damping:g}", str(case.segments), f"{length_ratio(case.stiffness):.12g}")
-    return [*line, f"{run.time[0]:.6g}", *(f"{value:.8g}" for value in values), f"{run.seconds:.3g}"]
+    return [*line, f"{forces.time[0]:.6g}", *(f"{value:.8g}" for value in values), f"{found.seconds:.3g}"]
 
 
 def main() -> None:

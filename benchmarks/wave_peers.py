@@ -11,10 +11,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from measure import Costs, interleaved, machine, markdown, measure, revision
+from measure import Costs, interleaved, markdown, measure, revision
 from wave_moordyn import (
     CASES,
     CONVERGED,
+    HAS_MOORDYN,
     LINE,
     PRACTICAL,
     SCHEME,
@@ -24,12 +25,12 @@ from wave_moordyn import (
     Extremes,
     Line,
     extremes,
-    moordyn,
     moordyn_extremes,
     moordyn_run,
 )
 
 from cablesim import batch
+from cablesim.machine import machine
 from cablesim.numerics import Array
 from cablesim.solver import load_solver
 from cablesim.status import Status
@@ -100,7 +101,7 @@ def timed_table(repeats: int) -> str:
         ways = [way for mass in MASSES for way in _ways(case, {"segments": case.segments, "mass": mass})]
         theirs: list[float] = []
         actions: dict[str, Callable[[], object]] = {way.name: way.solve for way in ways}
-        if moordyn:
+        if HAS_MOORDYN:
             actions[SCHEME] = partial(_note_moordyn, theirs, case)
         costs = interleaved(actions, repeats)
         if theirs:
@@ -172,9 +173,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--repeats", type=int, default=3)
     given = parser.parse_args()
-    packages = ("numpy", "numba", *(("moordyn",) if moordyn else ()))
+    packages = ("numpy", "numba", *(("moordyn",) if HAS_MOORDYN else ()))
     print(machine(*packages), f"revision {revision()}, {given.repeats} repeats in turns", sep="; ", end="\n\n")
-    if moordyn:
+    if HAS_MOORDYN:
         print(compared_table(), end="\n\n", flush=True)
     else:
         print("MoorDyn is not installed here, so it was left out (`pip install moordyn`).", end="\n\n")

@@ -19,12 +19,13 @@ from functools import partial
 from pathlib import Path
 
 import xarray as xr
-from measure import Cost, Costs, interleaved, machine, markdown, measure, revision
+from measure import Cost, Costs, interleaved, markdown, measure, revision
 
 from cablesim import steps
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.database.shard_file import chunk_sizes, solve_recipe, write_shard
+from cablesim.machine import machine
 from cablesim.study import Layout
 
 PROJECT = Path(__file__).resolve().parents[1]

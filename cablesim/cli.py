@@ -7,6 +7,7 @@ import os
 import sys
 import traceback
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -35,11 +36,14 @@ def cli() -> None:
 @cli.command()
 def solvers() -> None:
     """List the solvers."""
-    from cablesim.solver import solver_names, summary
+    from cablesim.solver import peer_names, solver_names, summary
 
-    names = solver_names()
-    width = max(map(len, names))
+    names, peers = solver_names(), peer_names()
+    width = max(map(len, [*names, *peers]))
     for name in names:
+        click.echo(f"{name:<{width}}  {summary(name)}")
+    click.echo("\nOther people's programs, to compare with:")
+    for name in peers:
         click.echo(f"{name:<{width}}  {summary(name)}")
 
 
@@ -177,26 +181,30 @@ def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
 
 
 @cli.command()
-@click.argument("solvers", nargs=-1, metavar="[SOLVER...]")
-@click.option("--scenarios", default=10_000, help="How many in all, shared by the solvers.")
-@click.option("--seed", default=1, help="Other scenarios.")
-@click.option("--part", default="1/1", metavar="I/N", help="Only the I-th of N parts of the hunt.")
-@click.option("--write", type=click.Path(path_type=Path), help="Write the counts to this CSV file.")
+@click.argument("solvers", nargs=-1)
+@click.option("--scenarios", default=10_000, show_default=True, help="In all; costly solvers get fewer of them.")
+@click.option("--seed", default=1, show_default=True)
+@click.option("--part", default="0/1", show_default=True, help="Only this part of the scenarios, as in 2/8.")
+@click.option("--write", type=click.Path(path_type=Path), help="Write the table to this CSV file, too.")
 def hunt(solvers: tuple[str, ...], scenarios: int, seed: int, part: str, write: Path | None) -> int:
-    """Hunt for answers that are wrong in silence. Exit code 0: none found, 1: some are wrong."""
-    from cablesim.hunt import _hunt, _printed
+    """Hunt for answers of SOLVERS (all of them) that are wrong without saying so; each is told with its command."""
+    from cablesim.files import write_text
+    from cablesim.hunt._hunt import hunt
+    from cablesim.report.hunted import hunted_table
 
     if scenarios < 1 or seed < 0:
         raise InputError("--scenarios must be at least 1 and --seed at least 0")
-    own_part, tallies = _part(part), []
-    for solver, size in _hunt.shares(_hunt.chosen(solvers), scenarios).items():
-        tallies.append(_hunt.hunt(solver, size, seed, own_part, lambda wrong: click.echo(_printed.wrong_line(wrong))))
-        click.echo(_printed.summary(tallies[-1]))
+    found = []
+    for one in hunt(solvers, scenarios, seed, _part(part)):
+        found.append(one)
+        for wrong in one.told:
+            click.echo(f"wrong: {wrong.judge} missed by {wrong.miss:.2g} times what is allowed\n  {wrong.command}")
+        click.echo(f"{one.solver}: {one.scenarios} scenarios, {one.wrong} wrong", err=True)
+    table = hunted_table(found)
+    click.echo(table.to_markdown(index=False, disable_numparse=True))
     if write is not None:
-        _printed.write_tallies(write, tallies)
-    wrong = sum(tally.number_wrong for tally in tallies)
-    click.echo(f"{sum(tally.scenarios for tally in tallies)} scenarios, {wrong} wrong in silence")
-    return EXIT_FLAGGED if wrong else 0
+        write_text(write, table.to_csv(index=False, lineterminator="\n"))
+    return EXIT_FLAGGED if any(one.wrong for one in found) else 0
 
 
 @cli.group()
@@ -220,13 +228,30 @@ def step_sample(scene: Path, results: Path) -> None:
 
 @step.command("solve")
 @click.argument("plan", type=click.Path(path_type=Path))
-@click.argument("shard")
-@click.argument("out", type=click.Path(path_type=Path))
-def step_solve(plan: Path, shard: str, out: Path) -> None:
-    """Compute one SHARD of a PLAN into the file OUT."""
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("shards", nargs=-1, required=True)
+@click.option("--stamp", type=click.Path(path_type=Path), help="A file to write when all are there.")
+def step_solve(plan: Path, folder: Path, shards: tuple[str, ...], stamp: Path | None) -> None:
+    """Compute SHARDS of a PLAN into FOLDER; those that are there are kept."""
     from cablesim import steps
 
-    steps.solve(plan, shard, out)
+    steps.solve(plan, shards, folder, stamp)
+
+
+@step.command("measure")
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.argument("results", type=click.Path(path_type=Path))
+def step_measure(scene: Path, results: Path) -> None:
+    """Time the methods of a SCENE on one thread."""
+    # Libraries look at it when they are imported.
+    os.environ["OMP_NUM_THREADS"] = "1"
+    start = perf_counter()
+    from cablesim import steps
+    from cablesim.config.scene import read_scene
+    from cablesim.study import Layout
+
+    read = read_scene(scene)
+    steps.measure(read, Layout(results), perf_counter() - start)
 
 
 def _scene_step(name: str, help_text: str) -> None:
@@ -302,10 +327,10 @@ def _pairs(texts: tuple[str, ...]) -> dict[str, str]:
 
 
 def _part(text: str) -> tuple[int, int]:
-    first, slash, last = text.partition("/")
-    if not (slash and first.isdecimal() and last.isdecimal() and 1 <= int(first) <= int(last)):
-        raise InputError(f"--part must be I/N with 1 <= I <= N, not '{text[:60]}'")
-    return int(first), int(last)
+    number, slash, parts = text.partition("/")
+    if not (slash and number.isdigit() and parts.isdigit() and int(number) < int(parts)):
+        raise InputError(f"--part must be like 0/4, the number of a part and how many there are, not '{text[:20]}'")
+    return int(number), int(parts)
 
 
 def _names(text: str | None) -> tuple[str, ...]:

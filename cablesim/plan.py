@@ -20,7 +20,7 @@ from cablesim.config.scene import Scene
 from cablesim.design import Axis
 from cablesim.errors import EnvironmentFault, InputError
 from cablesim.files import written_whole
-from cablesim.shards import MethodPlan, Placement, Recipe, plan_methods
+from cablesim.shards import SECONDS_PER_SHARD, MethodPlan, Placement, Recipe, plan_methods
 from cablesim.sources import source_digest
 
 FORMAT = 1
@@ -38,6 +38,19 @@ class ScenePlan:
     def recipes(self) -> dict[str, Recipe]:
         """Every shard by its digest."""
         return {p.recipe.digest: p.recipe for method in self.methods for p in method.placements}
+
+    @property
+    def bundles(self) -> dict[str, tuple[str, ...]]:
+        """Shards that are worth a job together, in their order, by a digest of their names."""
+        bundles: list[list[str]] = []
+        room = 0.0
+        for digest, recipe in self.recipes.items():
+            if not bundles or recipe.seconds > room:
+                bundles.append([])
+                room = SECONDS_PER_SHARD
+            bundles[-1].append(digest)
+            room -= recipe.seconds
+        return {hashlib.sha256(" ".join(shards).encode()).hexdigest()[:24]: tuple(shards) for shards in bundles}
 
     @property
     def scenarios(self) -> int:

@@ -288,14 +288,26 @@ TABLE = (
         "1",
         "error of the balance of energy over the whole run, relative to what was turned over",
     ),
+    Quantity(
+        "period_spread",
+        r"\delta_T",
+        "1",
+        "largest difference between the largest tensions of the last periods at one place, over the largest of all",
+    ),
     Quantity("rejected_steps", "n_r", "1", "integration steps that were tried and repeated with a smaller one"),
     Quantity("rhs_evaluations", "n_f", "1", "how often the forces on the line were computed"),
-    Quantity("mesh_change", "e_h", "1", "relative change of the largest top tension if all elements are halved"),
+    Quantity(
+        "mesh_change",
+        "e_h",
+        "1",
+        "largest change of the largest, least and mean tensions if all elements are halved, over the largest of all",
+    ),
     Quantity(
         "time_change",
         "e_t",
         "1",
-        "relative change of the largest top tension if time is marched ten times as accurately",
+        "largest change of the largest, least and mean tensions if time is marched ten times as accurately, "
+        "over the largest of all",
     ),
     Quantity(
         "richardson_top_tension", r"T_{B,h \to 0}", "N", "largest top tension, extrapolated to elements of no length"
@@ -331,9 +343,37 @@ TABLE = (
         ("phase", "node", "component"),
     ),
     Quantity("snapshot_tension", "T", "N", "tension along the line through the last period", ("phase", "node")),
+    # what vibrations of a moored line answer
+    Quantity(
+        "lowest_frequency", r"\omega_1", "rad s-1", "lowest angular frequency of the discrete line about its rest"
+    ),
+    Quantity(
+        "highest_frequency",
+        r"\omega_{\max}",
+        "rad s-1",
+        "highest angular frequency of the discrete line about its rest",
+    ),
+    Quantity(
+        "frequency_ratio",
+        r"\omega_{\max} / \omega",
+        "1",
+        "highest angular frequency of the discrete line over that of the waves: how stiff the problem is in time",
+    ),
+    Quantity(
+        "stable_step_limit",
+        r"h_{\max}",
+        "s",
+        "longest time step of an explicit method that is stable in the fastest vibration, by linear theory",
+    ),
+    Quantity("stable_step", "h_s", "s", "longest time step with which a slightly disturbed line stayed near its rest"),
     # what every solver can tell of its work
     Quantity("iterations", "n", "1", "iterations taken by the method; 0 for a closed formula"),
-    Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard"),
+    Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard or of its timed runs"),
+    Quantity("run_time_lowest", "t_{min}", "s", "shortest of the timed runs, per scenario"),
+    Quantity("run_time_highest", "t_{max}", "s", "longest of the timed runs, per scenario"),
+    Quantity("run_time_alone", "t_1", "s", "wall time of one scenario solved alone, median of some"),
+    Quantity("first_call_time", "t_0", "s", "wall time of the first call, which loads or compiles its machine code"),
+    Quantity("repeats", "n", "1", "timed runs"),
 )
 
 

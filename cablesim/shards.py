@@ -20,6 +20,7 @@ from cablesim.config.method import Method
 from cablesim.config.scene import Scene
 from cablesim.design import Axis
 from cablesim.quantities import bytes_per_scenario, section_number
+from cablesim.solver import load_solver
 from cablesim.sources import source_digest
 
 # A job pays about a second for its start; ten seconds of work keep that below a tenth.
@@ -42,6 +43,12 @@ class Recipe:
     @property
     def shape(self) -> tuple[int, ...]:
         return tuple(axis.size for axis in self.axes)
+
+    @cached_property
+    def seconds(self) -> float:
+        """What it will take, by the solver's measured cost."""
+        solver = load_solver(self.solver)
+        return math.prod(self.shape) * solver.seconds_per_scenario(solver.make_options(self.options))
 
     @cached_property
     def digest(self) -> str:

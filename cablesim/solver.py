@@ -18,6 +18,9 @@
 
 Nothing registers itself: solvers are found by looking into the folder, and only the one asked for is imported. Modules
 whose name starts with an underscore are shared parts, not solvers.
+
+Peers, in `cablesim/peers/`, are solvers too as far as scenes are concerned: thin adapters to other people's programs,
+to compare with. They say which distribution they call (`REQUIRES`), and answer `unavailable` where it is missing.
 """
 
 import ast
@@ -25,6 +28,7 @@ import dataclasses
 import importlib
 from dataclasses import dataclass
 from functools import cache, cached_property
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -47,7 +51,7 @@ from cablesim.parameters import (
 )
 
 PACKAGE = Path(__file__).parent
-FOLDER = PACKAGE / "solvers"
+FOLDER, PEERS = PACKAGE / "solvers", PACKAGE / "peers"
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,11 @@ class Solver:
     @property
     def summary(self) -> str:
         return summary(self.name)
+
+    @property
+    def requires(self) -> str:
+        """The distribution that a peer calls; nothing for a solver of ours."""
+        return getattr(self.module, "REQUIRES", "")
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -187,18 +196,42 @@ class Solver:
 
 def solver_names() -> list[str]:
     """The solvers in the folder, by name."""
-    return sorted(path.stem for path in FOLDER.glob("*.py") if not path.stem.startswith("_"))
+    return _modules(FOLDER)
+
+
+def peer_names() -> list[str]:
+    """The adapters to other people's programs, by name."""
+    return _modules(PEERS)
 
 
 @cache
 def load_solver(name: str) -> Solver:
-    """Import one solver. Raises InputError, with the nearest names, if there is none of that name."""
-    if name not in solver_names():
-        raise InputError(f"unknown solver '{name}': {nearest(name, solver_names())}")
-    return Solver(name, importlib.import_module(f"cablesim.solvers.{name}"))
+    """Import one solver or peer. Raises InputError, with the nearest names, if there is none of that name."""
+    known = [*solver_names(), *peer_names()]
+    if name not in known:
+        raise InputError(f"unknown solver '{name}': {nearest(name, known)}")
+    return Solver(name, importlib.import_module(f"cablesim.{source(name).parent.name}.{name}"))
 
 
 def summary(name: str) -> str:
     """The first sentence of a solver's docstring, read without importing it."""
-    docstring = ast.get_docstring(ast.parse((FOLDER / f"{name}.py").read_text(encoding="utf-8"))) or ""
+    docstring = ast.get_docstring(ast.parse(source(name).read_text(encoding="utf-8"))) or ""
     return docstring.split("\n", 1)[0].strip()
+
+
+def source(name: str) -> Path:
+    """The module of a solver or peer."""
+    folder = PEERS if name in peer_names() else FOLDER
+    return folder / f"{name}.py"
+
+
+def installed(distribution: str) -> str:
+    """The version of a distribution; empty where it is not installed."""
+    try:
+        return version(distribution)
+    except PackageNotFoundError:
+        return ""
+
+
+def _modules(folder: Path) -> list[str]:
+    return sorted(path.stem for path in folder.glob("*.py") if not path.stem.startswith("_"))

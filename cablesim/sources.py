@@ -5,18 +5,23 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
-from cablesim.solver import PACKAGE
+from cablesim.solver import PACKAGE, installed, load_solver, source
 
 # Where a solver's numbers come from.
-NUMBERS = ("physics", "numerics", "solvers")
+NUMBERS = ("physics", "numerics", "solvers", "peers")
 
 
 def source_digest(name: str) -> str:
     """Digest of everything that decides a solver's numbers: its module and what it imports of physics and numerics.
 
-    Results are named by it, so editing a solver reruns what it solved and nothing else.
+    Results are named by it, so editing a solver reruns what it solved and nothing else. That of a peer tells which
+    version of its program is installed as well, or that none is.
     """
-    return code_digest((f"solvers/{name}",), NUMBERS)
+    code = code_digest((source(name).relative_to(PACKAGE).with_suffix("").as_posix(),), NUMBERS)
+    requires = load_solver(name).requires
+    if not requires:
+        return code
+    return hashlib.sha256(f"{code} {requires} {installed(requires)}".encode()).hexdigest()[:16]
 
 
 @cache

@@ -10,6 +10,7 @@ class Status(IntEnum):
     infeasible = 1
     not_converged = 2
     out_of_domain = 3
+    unavailable = 4
 
     @property
     def sentence(self) -> str:
@@ -21,4 +22,5 @@ SENTENCES = {
     Status.infeasible: "no equilibrium exists for these parameters",
     Status.not_converged: "the method ran out of steps before it reached its accuracy",
     Status.out_of_domain: "outside the range in which the method can represent an answer",
+    Status.unavailable: "the package that this method calls is not installed (pip install cablesim[peers])",
 }

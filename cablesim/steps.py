@@ -1,16 +1,20 @@
-"""The steps of the workflow, each a command that can be run by hand: sample, solve, collect, summarise, figures.
+"""The steps of the workflow, each a command of its own: sample, solve, measure, collect, summarise, figures.
 
-`run_scene` does them all in one process, without Snakemake, and leaves the same files.
+`run_scene` does them all in one process, without Snakemake, and leaves the same files; only measuring has a process of
+its own, which is to have one thread from its start.
 """
 
+import hashlib
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 from cablesim.config.scene import Scene
 from cablesim.errors import InputError
-from cablesim.files import ledger, written_whole
-from cablesim.plan import ScenePlan, plan_scene, read_plan
+from cablesim.files import ledger, write_text
+from cablesim.plan import ScenePlan, plan_digest, plan_scene, read_plan
+from cablesim.sources import code_digest
 from cablesim.study import Layout
 
 Progress = Callable[[str, int, int], None]
@@ -21,21 +25,48 @@ def sample(scene: Scene, layout: Layout) -> ScenePlan:
     return plan_scene(scene, layout.plans)
 
 
-def solve(plan_path: Path, shard: str, out: Path) -> None:
-    """Compute one shard of a plan."""
+def solve(plan_path: Path, shards: tuple[str, ...], folder: Path, stamp: Path | None = None) -> None:
+    """Compute shards of a plan; those that are in the folder already are kept. The stamp says that all are there."""
     from cablesim.database.shard_file import solve_recipe, write_shard
 
     recipes = read_plan(plan_path).recipes
-    if shard not in recipes:
-        raise InputError(f"{plan_path}: no shard '{shard}' in this plan")
-    write_shard(out, recipes[shard], solve_recipe(recipes[shard]))
+    for shard in shards:
+        if shard not in recipes:
+            raise InputError(f"{plan_path}: no shard '{shard}' in this plan")
+    for shard in shards:
+        out = folder / f"{shard}.nc"
+        if not (out.exists() and ledger(out).exists()):
+            write_shard(out, recipes[shard], solve_recipe(recipes[shard]))
+    if stamp is not None:
+        write_text(stamp, "")
+
+
+def measure(scene: Scene, layout: Layout, import_seconds: float) -> None:
+    """Time the methods of a scene that asks for it."""
+    from cablesim.database.timing import measure, write_timings
+
+    path = timings_path(scene, layout)
+    if scene.work_precision is None or path is None:
+        raise InputError(f"{scene.path}: no work_precision in it: nothing is to be timed")
+    write_timings(path, measure(scene, scene.work_precision, import_seconds))
+
+
+def timings_path(scene: Scene, layout: Layout) -> Path | None:
+    """Where the run times of this content of a scene are; None where none are asked for."""
+    if scene.work_precision is None:
+        return None
+    content = f"{plan_digest(scene)} {code_digest(('database/timing',), ('database',))}"
+    return layout.timings(scene.name, hashlib.sha256(content.encode()).hexdigest()[:16])
 
 
 def collect(scene: Scene, layout: Layout) -> None:
     """Join the shards of a scene into its dataset."""
     from cablesim.database.collect import collect, write_dataset
+    from cablesim.database.timing import read_timings
 
-    dataset, measured = collect(scene, sample(scene, layout), layout.shards(scene.name), revision())
+    measured_at = timings_path(scene, layout)
+    timings = read_timings(measured_at) if measured_at else None
+    dataset, measured = collect(scene, sample(scene, layout), layout.shards(scene.name), revision(), timings)
     write_dataset(layout.dataset(scene.name), dataset, measured)
 
 
@@ -45,6 +76,7 @@ def summarise(scene: Scene, layout: Layout) -> None:
     from cablesim.report import tables
     from cablesim.report.audit import audit_table
     from cablesim.report.orders import order_table
+    from cablesim.report.precision import fastest_caption, fastest_table, precision_caption, precision_table
     from cablesim.report.printed import write_printed_tables
 
     dataset = read_dataset(layout.dataset(scene.name))
@@ -56,8 +88,14 @@ def summarise(scene: Scene, layout: Layout) -> None:
             tables.status_table(dataset),
             f"{scene.title}: scenarios by their fate, and measured seconds for each",
         ),
+        "effort": (
+            tables.effort_table(dataset),
+            f"{scene.title}: effort, and what is left over, of the scenarios that were solved",
+        ),
         "orders": (order_table(scene, dataset), f"{scene.title}: measured orders of the methods"),
         "audit": (audit_table(scene, dataset), f"{scene.title}: printed values beside ours"),
+        "work_precision": (precision_table(scene, dataset), precision_caption(scene, dataset)),
+        "fastest": (fastest_table(scene, dataset), fastest_caption(scene, dataset)),
     }
     for name, (table, caption) in made.items():
         tables.write_table(layout.tables, f"{scene.name}_{name}", table, caption)
@@ -85,9 +123,12 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> ScenePlan:
     folder = layout.shards(scene.name)
     for done, shard in enumerate(plan.recipes):
         progress("solve", done, len(plan.recipes))
-        out = folder / f"{shard}.nc"
-        if not (out.exists() and ledger(out).exists()):
-            solve(layout.plan(plan), shard, out)
+        solve(layout.plan(plan), (shard,), folder)
+    timings = timings_path(scene, layout)
+    if timings and not timings.exists():
+        progress("measure", 0, 1)
+        command = [sys.executable, "-m", "cablesim", "step", "measure", str(scene.path), str(layout.root)]
+        subprocess.run(command, check=True)
     for done, name in enumerate(SCENE_STEPS):
         progress(name, done, len(SCENE_STEPS))
         run_step(name, scene, layout)
@@ -103,8 +144,7 @@ def run_step(name: str, scene: Scene, layout: Layout, stamp: Path | None = None)
         old.unlink(missing_ok=True)
     SCENE_STEPS[name](scene, layout)
     if stamp is not None:
-        with written_whole(stamp) as temporary:
-            temporary.touch()
+        write_text(stamp, "")
 
 
 def revision() -> str:

@@ -28,6 +28,10 @@ class Layout:
     def dataset(self, scene: str) -> Path:
         return self.root / f"{scene}.nc"
 
+    def timings(self, scene: str, digest: str) -> Path:
+        """The file of run times that were measured for this content of a scene."""
+        return self.root / "timings" / f"{scene}.{digest}.json"
+
     @property
     def tables(self) -> Path:
         return self.root / "tables"

@@ -93,6 +93,11 @@ def compatible(first: str, second: str) -> bool:
     return _unit(first).is_compatible_with(_unit(second))
 
 
+def dimensions(unit: str) -> dict[str, float]:
+    """Powers of length, mass and time in a unit: "N" -> {"[length]": 1, "[mass]": 1, "[time]": -2}."""
+    return dict(_unit(unit).dimensionality)
+
+
 def product(first: str, second: str, power_of_second: float) -> str:
     """The unit of first * second**power; a bare number has no say."""
     if BARE in (first, second):

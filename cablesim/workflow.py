@@ -3,19 +3,27 @@
 import hashlib
 import sys
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
 from cablesim.files import ledger
 from cablesim.plan import ScenePlan
 from cablesim.sources import code_digest
-from cablesim.steps import sample
+from cablesim.steps import sample, timings_path
 from cablesim.study import Layout, read_study
 
 # The modules that write the files of a step: editing them, or what they import, makes these files out of date.
 STEP_MODULES = {
     "collect": ("database/collect",),
-    "summarise": ("database/collect", "report/tables", "report/audit", "report/orders", "report/printed"),
+    "summarise": (
+        "database/collect",
+        "report/tables",
+        "report/audit",
+        "report/orders",
+        "report/printed",
+        "report/precision",
+    ),
     "figures": ("database/collect", "report/figures"),
 }
 STEP_PARTS = ("database", "report", "expressions", "units", "quantities", "status")
@@ -46,14 +54,33 @@ class PlannedScene:
         return str(self.layout.dataset(self.name))
 
     @property
-    def shards(self) -> list[str]:
-        """Every shard with its ledger."""
-        paths = [self.layout.shards(self.name) / f"{digest}.nc" for digest in self.shard_plan.recipes]
-        return [str(path) for shard in paths for path in (shard, ledger(shard))]
+    def shards(self) -> str:
+        """The folder of its shards."""
+        return str(self.layout.shards(self.name))
+
+    @cached_property
+    def bundles(self) -> dict[str, tuple[str, ...]]:
+        """The shards that one job computes, by the name of the bundle."""
+        return self.shard_plan.bundles
+
+    @property
+    def solved(self) -> list[str]:
+        """The stamps that say that all shards are there."""
+        return [str(self.bundle_stamp(bundle)) for bundle in self.bundles]
+
+    def bundle_stamp(self, bundle: str) -> Path:
+        """The stamp of a bundle of shards."""
+        return self.layout.stamp(self.name, "solve", bundle)
+
+    @property
+    def timings(self) -> list[str]:
+        """The file of measured run times, where the scene asks for them."""
+        path = timings_path(self.scene, self.layout)
+        return [str(path)] if path else []
 
     def stamp(self, step: str) -> str:
         """The stamp of a step, named by the plan and by the code that leads to its files."""
-        content = f"{self.shard_plan.digest} {code_digest(STEP_MODULES[step], STEP_PARTS)}"
+        content = f"{self.shard_plan.digest} {' '.join(self.timings)} {code_digest(STEP_MODULES[step], STEP_PARTS)}"
         return str(self.layout.stamp(self.name, step, hashlib.sha256(content.encode()).hexdigest()[:16]))
 
 
@@ -82,6 +109,10 @@ def plan_study(config: Path | str) -> PlannedStudy:
 def _forget_lost_files(scene: PlannedScene) -> None:
     """A stamp vouches for files; where they are gone, it goes too, so that they are made again."""
     layout, name = scene.layout, scene.name
+    for bundle, shards in scene.bundles.items():
+        paths = [layout.shards(name) / f"{shard}.nc" for shard in shards]
+        if not all(path.is_file() and ledger(path).is_file() for path in paths):
+            scene.bundle_stamp(bundle).unlink(missing_ok=True)
     found = {
         "collect": [layout.dataset(name)],
         "summarise": [layout.tables / f"{name}_status.csv"],

@@ -22,7 +22,7 @@ def default_study(tmp_path_factory) -> Path:
     for part in ("workflow", "config"):
         shutil.copytree(PROJECT / part, folder / part)
     command = [sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default"]
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600, check=False)
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=1100, check=False)
     assert run.returncode == 0, run.stdout + run.stderr
     return folder
 

@@ -250,3 +250,17 @@ def collected(path: Path, folder: Path) -> xr.Dataset:
     run_scene(read_scene(path), layout, lambda step, done, total: None)
     with xr.open_dataset(layout.dataset(path.stem)) as dataset:
         return dataset.load()
+
+
+TWO = "{exact: {solver: catenary_exact}, series: {solver: catenary_series}}"
+
+
+def test_small_shards_share_a_job_and_what_is_worth_one_has_its_own(tmp_path, monkeypatch):
+    made = plan_scene(scene(tmp_path, methods=TWO), tmp_path / "plans")
+    (together,) = made.bundles.values()
+    assert together == tuple(made.recipes)
+    room = sum(recipe.seconds for recipe in made.recipes.values())
+    monkeypatch.setattr("cablesim.plan.SECONDS_PER_SHARD", 0.9 * room)
+    alone = made.bundles
+    assert sorted(alone.values()) == sorted((shard,) for shard in made.recipes)
+    assert made.bundles == alone

@@ -7,9 +7,11 @@ from typing import Any
 from cablesim.config.document import Node
 from cablesim.config.figure_parts import (
     Stage,
+    check_sides,
     check_stored,
     read_across,
     read_methods,
+    read_number,
     read_panels,
     read_shapes,
     read_texts,
@@ -19,9 +21,9 @@ from cablesim.config.history_figure import read_history
 from cablesim.config.method import find_series
 from cablesim.config.orbit_figure import read_orbit
 from cablesim.config.place_file import fixed_axes
-from cablesim.config.rehearsal import METHOD
 from cablesim.config.section_colours import read_colours
 from cablesim.config.snapshot_figure import read_snapshots
+from cablesim.config.status_figure import read_status_map
 from cablesim.config.table import Table, read_table
 from cablesim.quantities import SHORT, quantity
 
@@ -52,6 +54,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
     readers = {
         "curves": _read_curves,
         "map": _read_map,
+        "status_map": read_status_map,
         "profiles": _read_profiles,
         "spatial": _read_spatial,
         "history": read_history,
@@ -59,6 +62,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
         "snapshots": read_snapshots,
         "convergence": _read_convergence,
         "audit": _read_audit,
+        "work_precision": _read_work_precision,
     }
     figures = []
     for name, entry in node.named_entries().items():
@@ -77,10 +81,10 @@ def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
     position = fixed_axes(keys, stage.names)
     if each in position:
         keys["each"].fail(f"one point of {each} is chosen already, under point")
-    x, along_x = _number(keys["x"], stage)
+    x, along_x = read_number(keys["x"], stage)
     formulas = {}
     for name, entry in lines.items():
-        formulas[name], along_y = _number(entry, stage)
+        formulas[name], along_y = read_number(entry, stage)
         along = sorted((along_x | along_y) - {each, *position})
         if len(along) != 1:
             entry.fail(
@@ -117,13 +121,9 @@ def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
     settings: dict[str, Any] = {"position": fixed_axes(keys, stage.names)}
     along = {}
     for name in ("x", "y", "value"):
-        settings[name], varies = _number(keys[name], stage)
+        settings[name], varies = read_number(keys[name], stage)
         along[name] = varies - set(settings["position"])
-    for name in ("x", "y"):
-        if len(along[name]) != 1:
-            keys[name].fail("a side of a map varies along one axis")
-    if along["x"] == along["y"]:
-        keys["y"].fail(f"both sides of the map vary along {along['x'].pop()}")
+    check_sides(keys, {name: along[name] for name in ("x", "y")})
     others = sorted(along["value"] - along["x"] - along["y"])
     if others:
         keys["value"].fail(f"the value also varies along {others[0]}: choose one, as in method.output")
@@ -208,17 +208,13 @@ def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:
     return {}
 
 
-def _number(node: Node, stage: Stage) -> tuple[str, set[str]]:
-    """A formula and the axes along which it varies; a scene's only method needs no choosing."""
-    formula = node.formula()
-    along = node.located(stage.names.number, formula)
-    if along & {"time", "phase"}:
-        node.fail("a history has many values a scenario: figures of kind history, orbit and snapshots show it")
-    if "node" in along:
-        node.fail("a profile has many values a scenario: only a figure of kind profiles shows it")
-    if "component" in along:
-        node.fail("a vector has three values a scenario: take a component, as in force_B_z")
-    return formula, along - {METHOD} if len(stage.names.methods) == 1 else along
+def _read_work_precision(node: Node, stage: Stage) -> dict[str, Any]:
+    """Methods that differ in one option alone are joined; where they make a net, `join` says along which option."""
+    keys = node.mapping(("kind",), ("join",))
+    if not stage.timed:
+        node.fail("a figure of error against run time needs the scene's work_precision")
+    options = tuple(dict.fromkeys(series.option for series in find_series(stage.methods, stage.reference)))
+    return {"join": keys["join"].choice(options) if "join" in keys else None}
 
 
 def _where(keys: dict[str, Node], stage: Stage) -> dict[str, str]:

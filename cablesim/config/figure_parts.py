@@ -6,7 +6,7 @@ from typing import NamedTuple
 from cablesim.config.document import Node
 from cablesim.config.method import Method
 from cablesim.config.place_file import Wish, place, read_point, read_wishes
-from cablesim.config.rehearsal import Rehearsal
+from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table
 
 VIEWS = ("xz", "xy", "yz")
@@ -23,13 +23,14 @@ class Shape:
 
 @dataclass(frozen=True)
 class Stage:
-    """What figures are checked against: names, methods, reference method, printed points, and whether it is audited."""
+    """What figures are checked against: names, methods, reference, printed points; is it audited, is it timed."""
 
     names: Rehearsal
     methods: tuple[Method, ...]
     reference: str | None
     points: Table | None
     audited: bool
+    timed: bool
 
 
 class Panel(NamedTuple):
@@ -70,6 +71,28 @@ def read_methods(keys: dict[str, Node], stage: Stage) -> tuple[str, ...]:
     if "methods" not in keys:
         return stage.names.methods
     return tuple(entry.choice(stage.names.methods) for entry in keys["methods"].sequence())
+
+
+def read_number(node: Node, stage: Stage) -> tuple[str, set[str]]:
+    """A formula and the axes along which it varies; a scene's only method needs no choosing."""
+    formula = node.formula()
+    along = node.located(stage.names.number, formula)
+    if along & {"time", "phase"}:
+        node.fail("a history has many values a scenario: figures of kind history, orbit and snapshots show it")
+    if "node" in along:
+        node.fail("a profile has many values a scenario: only a figure of kind profiles shows it")
+    if "component" in along:
+        node.fail("a vector has three values a scenario: take a component, as in force_B_z")
+    return formula, along - {METHOD} if len(stage.names.methods) == 1 else along
+
+
+def check_sides(keys: dict[str, Node], along: dict[str, set[str]]) -> None:
+    """Raises InputError unless each side of a map varies along one axis, and each along another one."""
+    for name, axes in along.items():
+        if len(axes) != 1:
+            keys[name].fail("a side of a map varies along one axis")
+    if len(along) == 2 and along["x"] == along["y"]:
+        keys["y"].fail(f"both sides of the map vary along {min(along['x'])}")
 
 
 def read_texts(keys: dict[str, Node], names: tuple[str, ...]) -> dict[str, str]:

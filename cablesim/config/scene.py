@@ -13,6 +13,7 @@ from cablesim.config.figure_file import Figure, read_figures
 from cablesim.config.figure_parts import Stage
 from cablesim.config.layout_file import PrintedTable, read_printed_tables
 from cablesim.config.method import Method
+from cablesim.config.precision_file import WorkPrecision, read_work_precision
 from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.config.table import Table, read_table
 from cablesim.design import Design
@@ -74,6 +75,7 @@ class Scene:
     published: Published | None
     figures: tuple[Figure, ...]
     printed: tuple[PrintedTable, ...]
+    work_precision: WorkPrecision | None
     tables: tuple[Table, ...]
 
     @property
@@ -101,7 +103,8 @@ def read_scene(path: Path) -> Scene:
         raise InputError(f"{path}: a scene file is named like formula_error.yaml (letters, digits, underscores)")
     root = read_document(path)
     required = ("title", "design", "methods", "outputs")
-    keys = root.mapping(required, ("question", "fixed", "reference", "published", "figures", "tables"))
+    optional = ("question", "fixed", "reference", "published", "figures", "tables", "work_precision")
+    keys = root.mapping(required, optional)
     methods = _read_methods(keys["methods"])
     parameters = _parameters(keys["methods"], methods)
     design, tables = read_design(keys["design"], parameters)
@@ -113,8 +116,11 @@ def read_scene(path: Path) -> Scene:
     names = Rehearsal(design, fixed, parameters, tuple(method.name for method in methods), outputs)
     reference = _read_reference(keys["reference"], names) if "reference" in keys else None
     published = _read_published(keys["published"], names) if "published" in keys else None
+    precision = _read_precision(keys["work_precision"], names, reference) if "work_precision" in keys else None
     points = published.table if published else reference.table if reference else None
-    stage = Stage(names, methods, reference.method if reference else None, points, audited=published is not None)
+    stage = Stage(
+        names, methods, reference.method if reference else None, points, published is not None, precision is not None
+    )
     figures = read_figures(keys["figures"], stage) if "figures" in keys else ()
     printed = read_printed_tables(keys["tables"], names) if "tables" in keys else ()
     used = [
@@ -137,6 +143,7 @@ def read_scene(path: Path) -> Scene:
         published=published,
         figures=figures,
         printed=printed,
+        work_precision=precision,
         tables=tuple({table.path: table for table in used}.values()),
     )
 
@@ -235,6 +242,12 @@ def _read_reference(node: Node, names: Rehearsal) -> Reference:
     if rows is None or rows.max() + 1 != table.rows:
         node.fail(f"{table.path}: a reference table needs a design of cases read from a table with the same rows")
     return Reference(table=table, columns=columns)
+
+
+def _read_precision(node: Node, names: Rehearsal, reference: Reference | None) -> WorkPrecision:
+    if reference is None:
+        node.fail("an error needs a reference")
+    return read_work_precision(node, names, reference.method)
 
 
 def _read_published(node: Node, names: Rehearsal) -> Published:

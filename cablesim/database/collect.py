@@ -6,6 +6,7 @@ bytes every time.
 
 import json
 import math
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ import xarray as xr
 
 from cablesim.config.scene import Scene
 from cablesim.database.shard_file import check_shards, chunk_sizes, read_shard
+from cablesim.database.timing import THREADS, Timing, Timings
 from cablesim.files import written_whole
 from cablesim.parameters import ParameterSpec
 from cablesim.plan import ScenePlan
@@ -27,18 +29,43 @@ NOT_COUNTED = -1
 # Shards held in memory beside the dataset they go into.
 SHARDS_AT_ONCE = 8
 MEASURED = "measured"
+# What is measured of every scenario, and of every method that is timed: what each is in a `Timing`.
+RUN_TIME = "run_time"
+TIMED: dict[str, Callable[[Timing], float]] = {
+    "run_time_lowest": lambda timing: min(timing.runs),
+    "run_time_highest": lambda timing: max(timing.runs),
+    "run_time_alone": lambda timing: timing.alone,
+    "first_call_time": lambda timing: timing.first_call,
+    "repeats": lambda timing: float(len(timing.runs)),
+}
 WHOLE = {"status": np.dtype(np.int8), "iterations": np.dtype(np.int32)}
 
 
-def collect(scene: Scene, plan: ScenePlan, shards: Path, revision: str) -> tuple[xr.Dataset, xr.Dataset]:
+def collect(
+    scene: Scene, plan: ScenePlan, shards: Path, revision: str, timings: Timings | None = None
+) -> tuple[xr.Dataset, xr.Dataset]:
     """The dataset of a scene and, apart from it, what was measured. Raises EnvironmentFault for a damaged shard."""
     variables, run_time = _gather(scene, plan, shards)
     coords = _coordinates(scene)
     data = {name: (dims, values, _attributes(name)) for name, (dims, values) in variables.items()}
     dataset = xr.Dataset(data, coords, _provenance(scene, revision))
     dims = ("method", *(axis.name for axis in scene.design.axes))
-    measured = xr.Dataset({"run_time": (dims, run_time, _attributes("run_time"))})
-    return dataset, measured
+    measured = xr.Dataset({RUN_TIME: (dims, run_time, _attributes(RUN_TIME))})
+    return dataset, measured if timings is None else _with_timings(measured, scene, timings)
+
+
+def _with_timings(measured: xr.Dataset, scene: Scene, timings: Timings) -> xr.Dataset:
+    """The run times of methods that were timed instead of those of their shards, and what else was measured."""
+    names = [method.name for method in scene.methods]
+    for name, timing in timings.methods.items():
+        measured[RUN_TIME][names.index(name)] = timing.median
+    found = {
+        variable: [of(timings.methods[name]) if name in timings.methods else math.nan for name in names]
+        for variable, of in TIMED.items()
+    }
+    about = {"machine": timings.machine, "threads": THREADS, "import_seconds": timings.import_seconds}
+    new = {variable: ("method", np.array(values), _attributes(variable)) for variable, values in found.items()}
+    return measured.assign(new).assign_attrs(about)
 
 
 def write_dataset(path: Path, dataset: xr.Dataset, measured: xr.Dataset) -> None:

@@ -9,8 +9,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from cablesim.database.collect import RUN_TIME, TIMED
 from cablesim.database.query import query
 from cablesim.database.reading import read_dataset, running_numbers, scene_paths, with_components
+
+MEASURED_NAMES = {RUN_TIME, *TIMED}
 
 
 def compare(results_a: Path, results_b: Path, tolerance: float = 0.0) -> pd.DataFrame:
@@ -89,7 +92,7 @@ def _keys(dataset: xr.Dataset) -> set[str]:
 
 
 def _outputs(dataset: xr.Dataset) -> set[str]:
-    return {str(name) for name in dataset.data_vars} - {"run_time"}
+    return {str(name) for name in dataset.data_vars} - MEASURED_NAMES
 
 
 def _by_scenario(dataset: xr.Dataset, output: str) -> np.ndarray:

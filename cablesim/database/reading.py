@@ -35,13 +35,13 @@ def open_scene(results: Path, scene: str) -> xr.Dataset:
 
 
 def read_dataset(path: Path) -> xr.Dataset:
-    """A dataset file and its group of measured values as one dataset."""
+    """A dataset file and its group of measured values as one dataset, with the attributes of both."""
     try:
         with (
             xr.open_dataset(path, engine="netcdf4") as dataset,
             xr.open_dataset(path, engine="netcdf4", group=MEASURED) as measured,
         ):
-            return dataset.load().assign(measured.load().variables)
+            return dataset.load().assign(measured.load().variables).assign_attrs(measured.attrs)
     except (OSError, KeyError, ValueError, RuntimeError) as problem:
         raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
 

@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import matplotlib
+import numpy as np
 import xarray as xr
 
 from cablesim.config.figure_file import Points
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
 from cablesim.database.reading import written
+from cablesim.errors import InputError
 from cablesim.quantities import QUANTITIES
 
 matplotlib.use("Agg")
@@ -101,6 +103,31 @@ def value_in_words(value: xr.DataArray) -> str:
     if row is None or row.unit == "1":
         return written(value)
     return f"{math.degrees(value.item()):.6g}°" if row.unit == "rad" else f"{written(value)} {row.shown_unit}"
+
+
+def ascending(x: xr.DataArray, y: xr.DataArray, value: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+    """The sides of a map in ascending order, and its values (y, x) along them."""
+    orders = {str(side.dims[0]): np.argsort(side.values, kind="stable") for side in (x, y)}
+    x, y = (side.isel({side.dims[0]: orders[str(side.dims[0])]}) for side in (x, y))
+    return x, y, value.isel(orders).transpose(*y.dims, *x.dims)
+
+
+def cell_edges(values: np.ndarray, is_logarithmic: bool) -> np.ndarray:
+    """Edges of the cells around ascending values: half way between them on the scale that is shown.
+
+    Raises InputError for values that a logarithmic scale cannot show.
+    """
+    if is_logarithmic and not (values > 0.0).all():
+        raise InputError(f"a logarithmic side of a map needs values above 0, not {values.min():g}")
+    places = np.log(values) if is_logarithmic else values
+    half = 0.5 * np.diff(places) if places.size > 1 else np.array([0.5])
+    edges = np.concatenate([[places[0] - half[0]], places[:-1] + half, [places[-1] + half[-1]]])
+    return np.exp(edges) if is_logarithmic else edges
+
+
+def formula_label(formula: str) -> str:
+    """The label of a quantity where a formula is just its name; else the formula itself."""
+    return QUANTITIES[formula].label if formula in QUANTITIES else plain(formula.replace("_", " "))
 
 
 def word(name: str) -> str:

@@ -3,6 +3,7 @@
 import math
 
 from cablesim.config.scene import Scene
+from cablesim.plan import ScenePlan
 from cablesim.quantities import bytes_per_scenario
 from cablesim.shards import plan_methods
 
@@ -20,14 +21,21 @@ def estimate(scene: Scene) -> str:
         f"  {scene.title}",
         f"  {scene.design.kind}: {_axes(scene)} = {scene.size} scenarios",
     ]
-    seconds = SECONDS_PER_SCENE
+    jobs = len(ScenePlan(scene.name, "", plans).bundles)
+    seconds = SECONDS_PER_SCENE + SECONDS_PER_JOB * jobs
     for method, plan in zip(scene.methods, plans, strict=True):
         solved = sum(math.prod(p.recipe.shape) for p in plan.placements)
         work = solved * method.seconds_per_scenario
-        seconds += work + SECONDS_PER_JOB * len(plan.placements)
+        seconds += work
         shards = f"{len(plan.placements)} shard(s), about {_duration(work)}"
         lines.append(f"  {method.name} ({method.solver.name}): {solved} to solve in {shards}")
     sizes = [{**method.sizes, "section": scene.sections} for method in scene.methods]
+    if scene.work_precision is not None:
+        timed = len(scene.methods) * scene.work_precision.seconds
+        seconds += timed
+        lines.append(
+            f"  each method timed for up to {scene.work_precision.seconds:g} s: at most about {_duration(timed)}"
+        )
     stored = 2 * scene.size * sum(bytes_per_scenario(scene.outputs, own) for own in sizes)
     seconds += stored * SECONDS_PER_BYTE
     lines.append(f"  in all about {_duration(seconds)} on one core, at most {_size(stored)} on disk")

@@ -18,12 +18,27 @@ from cablesim.errors import InputError
 from cablesim.files import written_whole
 from cablesim.quantities import QUANTITIES, component_names
 from cablesim.report.audit import audit_table
-from cablesim.report.drawing import DASHES, PALETTE, STYLE, draw_points, headline, legend, plain, value_in_words, word
+from cablesim.report.drawing import (
+    DASHES,
+    PALETTE,
+    STYLE,
+    ascending,
+    cell_edges,
+    draw_points,
+    formula_label,
+    headline,
+    legend,
+    plain,
+    value_in_words,
+    word,
+)
 from cablesim.report.histories import draw_history
 from cablesim.report.orbits import draw_orbit
 from cablesim.report.orders import convergences
+from cablesim.report.precision_figure import draw_work_precision
 from cablesim.report.shapes import draw_profiles, draw_spatial
 from cablesim.report.snapshots import draw_snapshots
+from cablesim.report.status_maps import draw_status_map
 
 MOST_CELLS = 600
 MOST_STEPS = 8
@@ -42,10 +57,12 @@ def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
     drawers = {
         "curves": _curves,
         "map": _map,
+        "status_map": draw_status_map,
         "profiles": draw_profiles,
         "spatial": draw_spatial,
         "history": draw_history,
         "orbit": draw_orbit,
+        "work_precision": draw_work_precision,
         "snapshots": draw_snapshots,
         "convergence": _convergence,
         "audit": _audit,
@@ -82,10 +99,10 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     _scales(axes, settings["log"])
     formulas = list(settings["y"].values())
     axes.set(
-        xlabel=plain(settings["x_label"]) if "x_label" in settings else _label(settings["x"]),
+        xlabel=plain(settings["x_label"]) if "x_label" in settings else formula_label(settings["x"]),
         ylabel=plain(settings["y_label"])
         if "y_label" in settings
-        else _label(formulas[0])
+        else formula_label(formulas[0])
         if len(formulas) == 1
         else "",
     )
@@ -139,7 +156,7 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     # More cells than pixels cost time and show nothing.
     steps = {axis.dims[0]: slice(None, None, math.ceil(axis.size / MOST_CELLS)) for axis in (x, y)}
     x, y, value = x.isel({x.dims[0]: steps[x.dims[0]]}), y.isel({y.dims[0]: steps[y.dims[0]]}), value.isel(steps)
-    value = value.transpose(*y.dims, *x.dims)
+    x, y, value = ascending(x, y, value)
     drawn, axes = plt.subplots()
     finite = value.values[np.isfinite(value.values)]
     logarithmic = "value" in settings["log"]
@@ -147,7 +164,8 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     norm: Any = LogNorm(positive.min(), positive.max()) if logarithmic and positive.size else _steps(finite)
     shown = np.ma.masked_invalid(np.where(value.values > 0.0, value.values, np.nan) if logarithmic else value.values)
     axes.set_facecolor("#DDDDDD")
-    mesh = axes.pcolormesh(x.values, y.values, shown, norm=norm, shading="nearest", cmap="viridis", rasterized=True)
+    edges = [cell_edges(side.values, name in settings["log"]) for name, side in (("x", x), ("y", y))]
+    mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap="viridis", rasterized=True)
     ticks = None if norm is None or logarithmic else norm.boundaries[:-1] + 0.5
     drawn.colorbar(mesh, ax=axes, label=plain(settings.get("label", settings["value"])), ticks=ticks)
     if settings["contours"]:
@@ -157,8 +175,8 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     axes.grid(visible=False)
     note = f"grey: no solution ({missing} of {scenarios})" if missing and "where" not in settings else ""
     axes.set(
-        xlabel=plain(settings["x_label"]) if "x_label" in settings else _label(settings["x"]),
-        ylabel=plain(settings["y_label"]) if "y_label" in settings else _label(settings["y"]),
+        xlabel=plain(settings["x_label"]) if "x_label" in settings else formula_label(settings["x"]),
+        ylabel=plain(settings["y_label"]) if "y_label" in settings else formula_label(settings["y"]),
     )
     axes.set_title(note, fontsize=9)
     return drawn
@@ -250,8 +268,3 @@ def _scales(axes: Any, log: str) -> None:
                 axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
                 axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
                 axis.set_minor_formatter(NullFormatter())
-
-
-def _label(formula: str) -> str:
-    """The label of a quantity where a formula is just its name; else the formula itself."""
-    return QUANTITIES[formula].label if formula in QUANTITIES else plain(formula.replace("_", " "))

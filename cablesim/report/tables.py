@@ -1,4 +1,4 @@
-"""Tables of a scene: errors against the reference, tensions by scenario, and how many scenarios met which fate."""
+"""Tables of a scene: errors against the reference, tensions by scenario, fates of the scenarios, and what they took."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,28 +8,34 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.config.scene import Reference, Scene
+from cablesim.database.collect import RUN_TIME, TIMED
 from cablesim.database.reading import magnitude, of_method, running_numbers, status_words, with_components, written
 from cablesim.files import write_text
 from cablesim.quantities import SHORT, quantity
+from cablesim.status import Status
 
 # A table that nobody can read is not written row by row: beyond this it becomes statistics, and `query` has the rows.
 MOST_ROWS = 10_000
 MARKDOWN_ROWS = 40
+# What a method can tell of its work, and of what is left over when it is done.
+EFFORTS = ("iterations", "steps", "rejected_steps", "rhs_evaluations")
+LEFT_OVER = ("closing_error", "static_residual", "energy_error")
 
 
 def error_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
-    """Absolute and relative error of every output but profiles and histories, for every method, against the reference.
+    """Absolute and relative error of every method against the reference.
 
-    The error of a vector is the length of the difference, that of a list the largest of its sections. Largest, median
-    and 95 % over the scenarios that both solved, and where the largest relative error lies.
+    Of every output but profiles, histories, effort, and what is left over, which is an error already. The error of a
+    vector is the length of the difference, that of a list the largest of its sections. Largest, median and 95 % over
+    the scenarios that both solved, and where the largest relative error lies.
     """
     rows: list[dict[str, object]] = []
     if scene.reference is None:
         return pd.DataFrame(rows)
     dataset = with_components(dataset)
-    stored = [name for name in scene.outputs if quantity(name).dims in SHORT]
+    stored = [n for n in scene.outputs if quantity(n).dims in SHORT and n not in (*EFFORTS, *LEFT_OVER)]
     for output in scene.reference.columns or stored:
-        reference = _reference_values(scene.reference, dataset, output)
+        reference = reference_values(scene.reference, dataset, output)
         for method in scene.methods:
             if method.name == scene.reference.method:
                 continue
@@ -60,7 +66,7 @@ def value_table(dataset: xr.Dataset) -> pd.DataFrame:
 
 def _scalars(dataset: xr.Dataset) -> list[str]:
     """The outputs that are one number per scenario."""
-    others = ("status", "iterations", "run_time")
+    others = {"status", "iterations", RUN_TIME, *TIMED}
     return [str(n) for n in dataset.data_vars if n not in others and dataset[n].dims == dataset.status.dims]
 
 
@@ -73,6 +79,20 @@ def status_table(dataset: xr.Dataset) -> pd.DataFrame:
         counts = np.bincount(status, minlength=len(words))
         run_time = float(of_method(dataset.run_time, method).mean())
         rows.append({"method": str(method), **dict(zip(words, counts.tolist(), strict=True)), "run_time [s]": run_time})
+    return pd.DataFrame(rows)
+
+
+def effort_table(dataset: xr.Dataset) -> pd.DataFrame:
+    """Effort and remaining errors of each method over the scenarios that it solved, and where the largest lies."""
+    rows = []
+    for method in dataset.method.values:
+        solved = of_method(dataset.status, method) == Status.ok
+        for name in (*EFFORTS, *LEFT_OVER):
+            values = of_method(dataset[name], method).where(solved) if name in dataset else solved.where(False)
+            found = values.values[np.isfinite(values.values)]
+            if (found > 0.0).any():
+                spread = {"scenarios": found.size, "median": np.median(found), "largest": found.max()}
+                rows.append({"method": str(method), "quantity": name, **spread, "at": _place_of_largest(values)})
     return pd.DataFrame(rows)
 
 
@@ -101,7 +121,8 @@ def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> N
     write_text(markdown, f"{caption}\n\n{body}{more}\n")
 
 
-def _reference_values(reference: Reference, dataset: xr.Dataset, output: str) -> xr.DataArray:
+def reference_values(reference: Reference, dataset: xr.Dataset, output: str) -> xr.DataArray:
+    """What an output is measured against, by scenario."""
     if reference.table is None:
         return of_method(dataset[output], str(reference.method))
     values = reference.table.evaluate(reference.columns[output], quantity(output).unit)

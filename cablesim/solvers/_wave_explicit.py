@@ -110,7 +110,7 @@ def rk4(problem: Problem, has_waves: bool, options: Any, records: Records) -> Ma
 @compiled
 def march(problem, has_waves, limits, clock, records, fates, first, stride, width, is_leapfrog):
     """March every `stride`th scenario from `first` on, `width` at a time: see `march_all`."""
-    rtol, fixed, most_steps, most_seconds = limits
+    rtol, fixed, part, most_steps, most_seconds = limits
     count = problem.tensions.shape[1]
     pack, tally = make_pack(count), np.zeros(TALLY_ROWS * LANES)
     found, own = np.zeros(FOUND_ROWS * LANES), np.ones(OWN_ROWS * LANES)
@@ -140,7 +140,8 @@ def march(problem, has_waves, limits, clock, records, fates, first, stride, widt
             if pack.lane[SCENARIO * LANES + w] >= 0.0:
                 advance(pack, found, w)
                 longest = longest_step(pack.lane, own, w, is_leapfrog)
-                wanted = min(SAFETY * longest, own[WANTED * LANES + w])
+                most = part * min(SAFETY * longest, LONGEST * pack.lane[PERIOD * LANES + w])
+                wanted = min(most, own[WANTED * LANES + w])
                 pack.lane[NEXT_STEP * LANES + w] = fixed if fixed > 0.0 else wanted
                 fate = fate_of(pack, found, w, fixed, longest, most_steps, most_seconds, clock[0])
                 if fate >= 0.0:

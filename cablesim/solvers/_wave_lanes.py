@@ -18,14 +18,16 @@ def march_all(
 
     `march(problem, has_waves, limits, clock, records, fates, first, stride, width, *more)` marches every `stride`th
     scenario from `first` on, `width` at a time. `limits` are the tolerance, a fixed step (0: chosen by the method), the
-    most steps and the most seconds; `clock` (1,) tells the time. Written: `records`, and `fates` (scenario, 4): fate,
-    steps, rejected steps, evaluations.
+    part of its longest steps that a method takes, the most steps and the most seconds; `clock` (1,) tells the time.
+    Written: `records`, and `fates` (scenario, 4): fate, steps, rejected steps, evaluations.
     """
     size = len(problem.lines)
     fates = np.zeros((size, 4))
     threads = max(1, min(thread_count(), size))
     width = min(LANES, -(-size // threads))
-    limits = np.array([options.rtol, options.time_step, options.most_steps, options.most_seconds])
+    limits = np.array(
+        [options.rtol, options.time_step, options.step_part, float(options.most_steps), options.most_seconds]
+    )
     with ticking() as clock, ThreadPoolExecutor(threads) as pool:
         work = [
             pool.submit(march, problem, has_waves, limits, clock, records, fates, first, threads, width, *more)

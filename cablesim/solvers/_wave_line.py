@@ -211,6 +211,9 @@ class Options:
     integrator: str = option("generalized_alpha", one_of=INTEGRATORS, meaning="method that marches through time")
     rtol: float = option(1e-3, at_least=1e-9, at_most=0.1, meaning="accuracy in time, relative to the largest tension")
     time_step: float = option(0.0, at_least=0.0, meaning="fixed time step in s; 0: as accuracy or stability want it")
+    step_part: float = option(
+        1.0, at_least=1e-3, at_most=1.0, meaning="part of the longest steps, by period and stability, that are taken"
+    )
     max_order: int = option(0, at_least=0, at_most=12, meaning="greatest order of gear and adams; 0: 5 and 12")
     mass: str = option("consistent", one_of=tuple(SHARES), meaning="mass matrix of an element")
     added_mass: str = option("normal", one_of=("normal", "isotropic"), meaning="acceleration that added mass resists")
@@ -231,15 +234,21 @@ class Options:
 
     @property
     def closer(self) -> "Options":
-        """A tenth of the tolerance, half of a fixed step, and steps enough for that."""
-        return replace(self, rtol=0.1 * self.rtol, time_step=0.5 * self.time_step, most_steps=10 * self.most_steps)
+        """A tenth of the tolerance, half of a fixed step and of the longest ones, and steps enough for that."""
+        return replace(
+            self,
+            rtol=0.1 * self.rtol,
+            time_step=0.5 * self.time_step,
+            step_part=0.5 * self.step_part,
+            most_steps=10 * self.most_steps,
+        )
 
 
 def empty_records(size: int, segments: int, samples: int, phases: int) -> Records:
     """Room for what is recorded; no samples and phases where no history is asked for."""
     return Records(
         np.full((size, 3, 3), np.nan),
-        np.full((size, 4), np.nan),
+        np.full((size, 5), np.nan),
         np.full((size, segments, 2), np.nan),
         np.full((size, samples, 3), np.nan, dtype=np.float32),
         np.full((size, phases, 3), np.nan, dtype=np.float32),

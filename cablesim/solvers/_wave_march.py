@@ -88,7 +88,7 @@ def generalized_alpha(problem: Problem, has_waves: bool, options: Any, records: 
 @compiled
 def march(problem, has_waves, limits, clock, records, fates, first, stride, width):
     """March every `stride`th scenario from `first` on, `width` at a time: see `march_all`."""
-    rtol, fixed, most_steps, most_seconds = limits
+    rtol, fixed, part, most_steps, most_seconds = limits
     count = problem.tensions.shape[1]
     pack, tally = make_pack(count), np.zeros(TALLY_ROWS * LANES)
     queue, busy = first, 0
@@ -98,7 +98,7 @@ def march(problem, has_waves, limits, clock, records, fates, first, stride, widt
     while busy:
         for w in range(width):
             if pack.lane[SCENARIO * LANES + w] >= 0.0:
-                set_method(pack, w, fixed)
+                set_method(pack, w, fixed, part)
         predict(pack.nodes, pack.method, count, width)
         move_ends(pack, problem, count, width)
         iterate(pack, has_waves, rtol, count, width)

@@ -105,7 +105,7 @@ def march(line: "Line", method: str, order: int, options: Any) -> tuple[float, f
         rtol=0.0,
         atol=line.tolerances(options.rtol),
         nsteps=min(options.most_steps, MOST_AT_ONCE),
-        max_step=LONGEST * line.problem.spans[line.scenario, 2],
+        max_step=options.step_part * LONGEST * line.problem.spans[line.scenario, 2],
         **line.matrix(),
     )
     solver.set_initial_value(line.state(), 0.0)

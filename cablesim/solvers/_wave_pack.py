@@ -135,10 +135,10 @@ class Marched:
 class Records(NamedTuple):
     """Written by the march, one row a scenario; the last four are empty unless histories are asked for.
 
-    `ends` (scenario, 3, 3): largest, least and mean tension of anchor, middle and top; `line` (scenario, 4): slack
-    fraction, snaps, largest strain, energy error; `extremes` (scenario, element, 2): largest and least tension;
-    `history` (scenario, time, 3); `orbit` (scenario, phase, 3); `shapes` (scenario, phase, node, 3); `pulls` (scenario,
-    phase, element).
+    `ends` (scenario, 3, 3): largest, least and mean tension of anchor, middle and top; `line` (scenario, 5): slack
+    fraction, snaps, largest strain, energy error, spread of periods; `extremes` (scenario, element, 2): largest and
+    least tension; `history` (scenario, time, 3); `orbit` (scenario, phase, 3); `shapes` (scenario, phase, node, 3);
+    `pulls` (scenario, phase, element).
     """
 
     ends: np.ndarray

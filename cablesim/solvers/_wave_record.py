@@ -53,7 +53,9 @@ from cablesim.solvers._wave_pack import (
 
 # Tallies of a lane: three numbers each for anchor, middle and top, then the rest.
 BEFORE, EARLIER, MOST, LOWEST, SUM = 0, 3, 6, 9, 12
+PEAK, LEAST_PEAK = 15, 18  # largest of the running period, and the least of those of the periods before
 (
+    PERIOD_END,
     POWER_BEFORE,
     WORK,
     TURNED_BEFORE,
@@ -65,7 +67,7 @@ BEFORE, EARLIER, MOST, LOWEST, SUM = 0, 3, 6, 9, 12
     SNAP_TENSION,
     GREATEST_STRAIN,  # at which a softening law has its greatest tension
     TALLY_ROWS,
-) = range(15, 26)
+) = range(21, 33)
 
 # A parabola through three values turns at most so many times their larger difference beyond the middle one, if one step
 # is at most twice the other; where they differ by more, after a jerk, it would turn anywhere.
@@ -81,7 +83,9 @@ def begin_tally(pack, tally, w, supports):
         tally[row * LANES + w] = 0.0
     for c in range(3):
         tally[(LOWEST + c) * LANES + w] = np.inf
+        tally[(LEAST_PEAK + c) * LANES + w] = np.inf
         tally[(BEFORE + c) * LANES + w] = supports[c]
+    tally[PERIOD_END * LANES + w] = pack.lane[WINDOW * LANES + w] + pack.lane[PERIOD * LANES + w]
     tally[SNAP_TENSION * LANES + w] = SNAP_SHARE * supports[2]
     quadratic = pack.line[QUADRATIC * LANES + w]
     greatest = -0.5 * pack.line[LINEAR * LANES + w] / quadratic if quadratic < 0.0 else np.inf
@@ -147,18 +151,21 @@ def note_ends(pack, tally, w):
     lane, h = pack.lane, pack.method[STEP * LANES + w]
     time, window = lane[TIME * LANES + w], lane[WINDOW * LANES + w]
     before = tally[EARLIER_STEP * LANES + w]
+    if time >= tally[PERIOD_END * LANES + w]:
+        end_period(tally, w)
+        tally[PERIOD_END * LANES + w] += lane[PERIOD * LANES + w]
     for c in range(3):
         now = lane[(ANCHOR_NOW + c) * LANES + w]
         last, earlier = tally[(BEFORE + c) * LANES + w], tally[(EARLIER + c) * LANES + w]
         if time >= window:
-            most, least = max(now, tally[(MOST + c) * LANES + w]), min(now, tally[(LOWEST + c) * LANES + w])
+            most, least = max(now, tally[(PEAK + c) * LANES + w]), min(now, tally[(LOWEST + c) * LANES + w])
             if before > 0.0 and time - before >= window and (last - earlier) * (now - last) < 0.0:
                 bend = curvature(tally, w, c, now, h)
                 turn = last - ((now - last) / h - bend * h) ** 2 / (4.0 * bend)
                 reach = MOST_REACH * max(abs(now - last), abs(last - earlier))
                 turn = min(max(turn, last - reach), last + reach)
                 most, least = max(most, turn), min(least, max(turn, 0.0))
-            tally[(MOST + c) * LANES + w], tally[(LOWEST + c) * LANES + w] = most, least
+            tally[(PEAK + c) * LANES + w], tally[(LOWEST + c) * LANES + w] = most, least
             tally[(SUM + c) * LANES + w] += 0.5 * h * (now + last)
         tally[(EARLIER + c) * LANES + w], tally[(BEFORE + c) * LANES + w] = last, now
     tally[EARLIER_STEP * LANES + w] = h
@@ -167,6 +174,26 @@ def note_ends(pack, tally, w):
     turned = lane[POWER_TURNED * LANES + w]
     tally[TURNOVER * LANES + w] += 0.5 * h * (turned + tally[TURNED_BEFORE * LANES + w])
     tally[POWER_BEFORE * LANES + w], tally[TURNED_BEFORE * LANES + w] = power, turned
+
+
+@compiled
+def end_period(tally, w):
+    """The largest tensions of a period of the window are known."""
+    for c in range(3):
+        peak = tally[(PEAK + c) * LANES + w]
+        tally[(MOST + c) * LANES + w] = max(peak, tally[(MOST + c) * LANES + w])
+        tally[(LEAST_PEAK + c) * LANES + w] = min(peak, tally[(LEAST_PEAK + c) * LANES + w])
+        tally[(PEAK + c) * LANES + w] = 0.0
+
+
+@compiled
+def spread_of_periods(tally, w):
+    """Largest difference of the largest tensions of periods, at one place, over the largest of all."""
+    most, spread = 0.0, 0.0
+    for c in range(3):
+        peak = tally[(MOST + c) * LANES + w]
+        most, spread = max(most, peak), max(spread, peak - tally[(LEAST_PEAK + c) * LANES + w])
+    return spread / most if spread > 0.0 else 0.0
 
 
 @compiled
@@ -265,6 +292,7 @@ def finish_tally(pack, tally, w, records, count):
     """A lane's scenario is over: its row of the records."""
     L, scenario = LANES, int(pack.lane[SCENARIO * LANES + w])
     span = pack.lane[END * L + w] - pack.lane[WINDOW * L + w]
+    end_period(tally, w)
     for c in range(3):
         records.ends[scenario, c, 0] = tally[(MOST + c) * L + w]
         records.ends[scenario, c, 1] = tally[(LOWEST + c) * L + w]
@@ -283,3 +311,4 @@ def finish_tally(pack, tally, w, records, count):
     size = max(size, pack.lane[TENSION_SCALE * L + w] * pack.lane[PLACE_SCALE * L + w])
     records.line[scenario, 0], records.line[scenario, 1], records.line[scenario, 2] = slack, snaps, strain
     records.line[scenario, 3] = abs(gain - tally[WORK * L + w]) / size
+    records.line[scenario, 4] = spread_of_periods(tally, w)

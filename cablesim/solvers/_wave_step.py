@@ -93,13 +93,13 @@ NEARLY = 0.01
 
 
 @compiled
-def set_method(pack, w, fixed):
+def set_method(pack, w, fixed, part):
     """The length of the next step of a lane, and the numbers of the method that follow from it."""
     m, lane = pack.method, pack.lane
     time = lane[TIME * LANES + w]
     h = step_to_meet(time, lane[NEXT_STEP * LANES + w], lane[WINDOW * LANES + w], lane[END * LANES + w])
     if fixed == 0.0:
-        h = min(h, lane[PERIOD * LANES + w] / STEPS_PER_PERIOD)
+        h = min(h, part * lane[PERIOD * LANES + w] / STEPS_PER_PERIOD)
     rho = RHO_SLACK if time < lane[SLACK_UNTIL * LANES + w] else lane[RHO * LANES + w]
     alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
     theta = alpha_m - alpha_f

@@ -21,13 +21,19 @@ Energy that does not balance ends in `not_converged`, and so does a fixed `time_
 stable one. Gear's formulas of an order above 2 are unstable in vibrations along the line that nothing damps, Adams'
 with long steps: ask for `max_order: 2`, and for lumped mass, which makes a narrow band of their matrix.
 
-End tensions are the forces on the end points. Tensions are recorded over the last five whole periods.
+End tensions are the forces on the end points. Tensions are recorded over the last five whole periods. A method takes
+at most `step_part` of its longest step, which is a part of the period, and of what is stable.
 
 Where not to rely on it. A line that is jerked taut rings in waves as short as the elements unless it has internal
-damping: peaks then still depend on the mesh and on `rtol`; ask for `mesh_check` and `time_check`. Elements carry no
-bending and no torsion. A softening law is left (`out_of_domain`) where the strain passes its greatest tension, and
-lines that need more than that at rest have no solution (`infeasible`). A scenario that is given up after `most_seconds`
-may be solved by a faster machine.
+damping: peaks then still depend on the mesh and on `rtol`. Ask for `mesh_check` and `time_check`, which tell how much
+tensions change with half as long elements, and with a tenth of `rtol` and half of the longest steps; and look at
+`period_spread`, which tells how different the last periods are: peaks of a line that snaps irregularly are known no
+better than that. Waves that no march resolves are damped in each, and no change tells of them: tensions of a line that
+goes slack are uncertain by some of the root of `energy_error` as well.
+
+Elements carry no bending and no torsion. A softening law is left (`out_of_domain`) where the strain passes its greatest
+tension, and lines that need more than that at rest have no solution (`infeasible`). A scenario that is given up after
+`most_seconds` may be solved by a faster machine.
 
 Reference: Investigation of the influence of nonlinear elastic properties of the material on the dynamics of submarine
 cable systems (in Ukrainian), eqs. (1)-(8).
@@ -48,8 +54,8 @@ from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-PLACES = ("anchor", "middle", "top")
-TENSIONS = tuple(f"{kind}_{place}_tension" for place in PLACES for kind in ("max", "min", "mean", "static"))
+PLACES, KINDS = ("anchor", "middle", "top"), ("max", "min", "mean")
+TENSIONS = tuple(f"{kind}_{place}_tension" for place in PLACES for kind in (*KINDS, "static"))
 HISTORIES = ("history", "history_time")
 SHAPES = ("orbit", "snapshots", "snapshot_tension")
 MESH_CHECK, TIME_CHECK = ("mesh_change", "richardson_top_tension"), ("time_change",)
@@ -60,6 +66,7 @@ OUTPUTS = (
     "snap_count",
     "max_strain",
     "energy_error",
+    "period_spread",
     "steps",
     "rejected_steps",
     "rhs_evaluations",
@@ -125,8 +132,8 @@ class MovedLine:
     still: _wave_static.StaticLines
     supports: Array
     marched: Marched
-    finer_top_tension: Array
-    closer_top_tension: Array
+    finer: Array
+    closer: Array
 
     def __getattr__(self, name: str) -> Array:
         kind, _, place = name.removesuffix("_tension").partition("_")
@@ -134,7 +141,7 @@ class MovedLine:
             raise AttributeError(name)
         if kind == "static":
             return self.supports[:, PLACES.index(place)]
-        return self.records.ends[:, PLACES.index(place), ("max", "min", "mean").index(kind)]
+        return self.records.ends[:, PLACES.index(place), KINDS.index(kind)]
 
     @property
     def records(self) -> Records:
@@ -161,6 +168,10 @@ class MovedLine:
         return self.records.line[:, 3]
 
     @property
+    def period_spread(self) -> Array:
+        return self.records.line[:, 4]
+
+    @property
     def steps(self) -> Array:
         return self.marched.steps
 
@@ -174,16 +185,17 @@ class MovedLine:
 
     @property
     def mesh_change(self) -> Array:
-        return np.abs(self.finer_top_tension / self.records.ends[:, 2, 0] - 1.0)
+        return largest_change(self.records.ends, self.finer)
 
     @property
     def time_change(self) -> Array:
-        return np.abs(self.closer_top_tension / self.records.ends[:, 2, 0] - 1.0)
+        return largest_change(self.records.ends, self.closer)
 
     @property
     def richardson_top_tension(self) -> Array:
         """Errors of a mesh go with the square of its elements' length."""
-        return self.finer_top_tension + (self.finer_top_tension - self.records.ends[:, 2, 0]) / 3.0
+        finer = self.finer[:, PLACES.index("top"), 0]
+        return finer + (finer - self.max_top_tension) / 3.0
 
     @property
     def profile(self) -> Array:
@@ -271,7 +283,7 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
     marched = march(p, problem, able, options, samples, phases)
     status[(status == Status.ok) & (marched.fate == BEYOND_LAW)] = Status.out_of_domain
     status[(status == Status.ok) & (marched.fate != SOLVED)] = Status.not_converged
-    finer = closer = np.full(p.size, np.nan)
+    finer = closer = np.full((p.size, len(PLACES), len(KINDS)), np.nan)
     able = np.flatnonzero(status == Status.ok)
     if options.mesh_check == "yes":
         twice = p.equilibrium(2 * options.segments)
@@ -284,8 +296,14 @@ def solve(p: Parameters, options: Options, outputs: tuple[str, ...]) -> Solution
 
 
 def checked(p: Parameters, problem: Problem, able: np.ndarray, options: Options, status: np.ndarray) -> Array:
-    """Largest tension at the top of lines marched again; the answer of those that cannot be is taken back."""
+    """Tensions (scenario, place, kind) of lines marched again; the answer of those that cannot be is taken back."""
     found = march(p, problem, able, options, 0, 0)
-    top = np.where(found.fate == SOLVED, found.records.ends[:, 2, 0], np.nan)
-    status[(status == Status.ok) & np.isnan(top)] = Status.not_converged
-    return top
+    is_known = found.fate == SOLVED
+    status[(status == Status.ok) & ~is_known] = Status.not_converged
+    return np.where(is_known[:, None, None], found.records.ends, np.nan)
+
+
+def largest_change(tensions: Array, others: Array) -> Array:
+    """Largest change of tensions (scenario, place, kind), over the largest of all; 0 of a line without tension."""
+    change, largest = np.abs(others - tensions).max(axis=(1, 2)), tensions.max(axis=(1, 2))
+    return np.divide(change, largest, out=np.zeros_like(change), where=change != 0.0)

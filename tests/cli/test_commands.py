@@ -15,7 +15,7 @@ import xarray as xr
 
 from cablesim.batch import default_outputs
 from cablesim.plan import read_plan
-from cablesim.solver import load_solver, solver_names
+from cablesim.solver import load_solver, peer_names, solver_names
 from tests.cli.helpers import Answer, scene, tree
 
 Ask = Callable[..., Answer]
@@ -56,12 +56,14 @@ def test_the_version_is_one_line(ask: Ask) -> None:
 def test_solvers_lists_each_with_a_sentence(ask: Ask) -> None:
     answer = ask("solvers")
     assert (answer.code, answer.err) == (0, "")
-    listed = dict(line.split(maxsplit=1) for line in answer.text.splitlines())
-    assert list(listed) == solver_names()
-    assert all(sentence.strip() for sentence in listed.values())
+    ours, (_, *theirs) = (lines.splitlines() for lines in answer.text.strip().split("\n\n"))
+    for lines, names in ((ours, solver_names()), (theirs, peer_names())):
+        listed = dict(line.split(maxsplit=1) for line in lines)
+        assert list(listed) == names
+        assert all(sentence.strip() for sentence in listed.values())
 
 
-@pytest.mark.parametrize("solver", solver_names())
+@pytest.mark.parametrize("solver", [*solver_names(), *peer_names()])
 def test_describe_gives_theory_parameters_options_and_outputs(solver: str, ask: Ask) -> None:
     answer = ask("describe", solver)
     assert (answer.code, answer.err) == (0, "")
@@ -265,8 +267,7 @@ def test_a_dataset_opens_without_us_and_says_what_it_is(in_study: Path) -> None:
 def test_the_steps_by_hand_make_what_run_makes(in_study: Path, tmp_path: Path, ask: Ask) -> None:
     assert ask("step", "sample", "tiny.yaml", tmp_path).code == 0
     plan = next((tmp_path / "plans").iterdir())
-    for shard in read_plan(plan).recipes:
-        assert ask("step", "solve", plan, shard, tmp_path / "shards" / "tiny" / f"{shard}.nc").code == 0
+    assert ask("step", "solve", plan, tmp_path / "shards" / "tiny", *read_plan(plan).recipes).code == 0
     for step in ("collect", "summarise", "figures"):
         assert ask("step", step, "tiny.yaml", tmp_path, "--stamp", tmp_path / "stamps" / step) == Answer(0, b"", "")
     assert root_group(tmp_path / "tiny.nc") == root_group(in_study / "results" / "tiny.nc")

@@ -66,6 +66,11 @@ def relief(*phrases: str, design="{grid: {length_ratio: [1.1, 1.2], rise: [0, 0.
     return scene(design=design, figures={"look": {key: v for key, v in look.items() if v is not None}}), phrases
 
 
+def fates(*phrases: str, design="{grid: {length_ratio: [1.1, 1.2], rise: [0, 0.1]}}", **settings: object) -> Case:
+    look = {"kind": "status_map", "x": "length_ratio", "y": "rise", **settings}
+    return scene(design=design, figures={"look": {key: v for key, v in look.items() if v is not None}}), phrases
+
+
 def profiles(*phrases: str, outputs: str = "[sag, profile]", **settings: object) -> Case:
     return scene(outputs=outputs, figures={"look": {"kind": "profiles", **settings}}), phrases
 
@@ -361,6 +366,15 @@ FIGURES = {
         ),
         ("figures.look.y", "length_ratio and rise", "each"),
     ),
+    "a map of statuses of one axis": fates("figures.look.y", "both sides", y="2 * length_ratio"),
+    "a map of statuses over a constant": fates("figures.look.y", "a side of a map varies along one axis", y="span"),
+    "a map of statuses over an answer": fates("figures.look.x", "a side of a map varies along one axis", x="sag"),
+    "a map of statuses that vary along a third axis": fates("figures.look", "length_ratio", "point", x="rise", y=None),
+    "a map of statuses on an unknown scale": fates("figures.look.log", "all", log="all"),
+    "a map of statuses with a logarithmic side that is none": fates(
+        "figures.look.log", "y", y=None, log="y", point={"rise": 0}
+    ),
+    "a map of statuses of an unknown method": fates("figures.look.methods", "cubic", methods=["cubic"]),
     "a map of one axis": relief("figures.look", design="{grid: {length_ratio: [1.1, 1.2]}}", y="span"),
     "a map over twice the same axis": relief("figures.look", y="length_ratio"),
     "a map over constants": relief("figures.look", x="1", y="2"),
@@ -664,7 +678,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "a negative tolerance": (("compare", "tables", "tables", "--tolerance", "-1"), ("tolerance", "-1")),
     "a tolerance that is not a number": (("compare", "tables", "tables", "--tolerance", "nan"), ("tolerance", "nan")),
     "a step of a scene that is not there": (("step", "sample", "nothing.yaml", "results"), ("nothing.yaml",)),
-    "a step of a plan that is not there": (("step", "solve", "nothing.npz", "abc", "out.nc"), ("nothing.npz",)),
+    "a step of a plan that is not there": (("step", "solve", "nothing.npz", "shards", "abc"), ("nothing.npz",)),
     "a step of an unknown kind": (("step", "colect", "good.yaml", "results"), ("colect", "collect")),
 }
 
@@ -910,7 +924,7 @@ def test_a_query_is_refused_that_has(
 def test_a_step_is_refused_for_a_shard_that_is_not_in_the_plan(in_study: Path, ask: Ask) -> None:
     plan = next(Path("results", "plans").iterdir())
     before = tree(in_study)
-    assert_refused(ask("step", "solve", plan, "0" * 24, "out.nc"), str(plan), "0" * 24)
+    assert_refused(ask("step", "solve", plan, "shards", "0" * 24), str(plan), "0" * 24)
     assert tree(in_study) == before
 
 

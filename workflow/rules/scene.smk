@@ -3,11 +3,28 @@
 
 for scene in study.scenes:
 
+    if scene.timings:
+
+        # Alone on the machine, because it takes times.
+        rule:
+            name:
+                f"measure_{scene.name}"
+            output:
+                scene.timings,
+            log:
+                f"{study.results}/logs/measure/{scene.name}.log",
+            threads: workflow.cores
+            params:
+                scene=scene.path,
+                results=study.results,
+            shell:
+                "{study.python:q} -m cablesim step measure {params.scene:q} {params.results:q} 2>&1 | tee {log:q}"
+
     rule:
         name:
             f"collect_{scene.name}"
         input:
-            ancient(scene.shards),
+            ancient(scene.solved + scene.timings),
         output:
             dataset=scene.dataset,
             stamp=scene.stamp("collect"),

@@ -1,13 +1,14 @@
-# One job for each shard: a block of a scene's design, solved by one method.
+# One job for each bundle of shards that is worth its start; shards that are there already are kept.
 
 
 rule solve:
     output:
-        shard=f"{study.results}/shards/{{scene}}/{{shard}}.nc",
-        ledger=f"{study.results}/shards/{{scene}}/{{shard}}.json",
+        f"{study.results}/stamps/{{scene}}.solve.{{bundle}}",
     log:
-        f"{study.results}/logs/solve/{{scene}}-{{shard}}.log",
+        f"{study.results}/logs/solve/{{scene}}-{{bundle}}.log",
     params:
         plan=lambda wildcards: study.scene(wildcards.scene).plan,
+        folder=lambda wildcards: study.scene(wildcards.scene).shards,
+        shards=lambda wildcards: study.scene(wildcards.scene).bundles[wildcards.bundle],
     shell:
-        "{study.python:q} -m cablesim step solve {params.plan:q} {wildcards.shard} {output.shard:q} 2>&1 | tee {log:q}"
+        "{study.python:q} -m cablesim step solve {params.plan:q} {params.folder:q} {params.shards} --stamp {output:q} 2>&1 | tee {log:q}"

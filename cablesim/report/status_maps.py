@@ -1,0 +1,86 @@
+"""Maps of the fate of every scenario: a colour for each status, told in words with counts, a panel for each method."""
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.colors import BoundaryNorm, ListedColormap
+
+from cablesim.config.figure_file import Figure
+from cablesim.config.scene import Scene
+from cablesim.database.reading import evaluate, of_method, status_words
+from cablesim.report.drawing import ascending, cell_edges, formula_label, plain, word
+from cablesim.status import Status
+
+# Of Okabe and Ito's palette, but for what is solved: told apart by any kind of colour vision, and by lightness alone.
+COLOURS = {"ok": "#E8E8E8", "infeasible": "#56B4E9", "not_converged": "#D55E00", "out_of_domain": "#000000"}
+# In inches: of a panel, of a row of one and the least of all, and for labels, title and legend.
+PANEL_WIDTH, PANEL_HEIGHT, ROW, LEAST_WIDTH, LEAST_HEIGHT, AROUND = 2.9, 2.0, 0.3, 7.0, 0.8, 1.7
+
+
+def draw_status_map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
+    """A panel for each method, or where only one side is asked for, one panel with a row for each."""
+    settings = figure.settings
+    methods, words = settings["methods"], status_words(dataset)
+    chosen = dataset.isel(settings["position"])
+    fates = [of_method(chosen.status, method) for method in methods]
+    drawn = _panels(chosen, fates, settings) if "y" in settings else _rows(chosen, fates, settings)
+    _name_statuses(drawn, np.concatenate([fate.values.ravel() for fate in fates]), words)
+    return drawn
+
+
+def _panels(dataset: xr.Dataset, fates: list[xr.DataArray], settings: dict[str, Any]) -> Any:
+    columns = min(settings["across"], len(fates))
+    rows = -(-len(fates) // columns)
+    size = (max(PANEL_WIDTH * columns + 0.8, LEAST_WIDTH), PANEL_HEIGHT * rows + AROUND)
+    drawn, grid = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False)
+    x, y = (evaluate(dataset, settings[name]) for name in ("x", "y"))
+    for axes, fate, method in zip(grid.flat, fates, settings["methods"], strict=False):
+        _paint(axes, x, y, fate, settings)
+        axes.set_title(plain(word(method)), fontsize=9)
+    for axes in grid[:, 0]:
+        axes.set_ylabel(_words_of("y", settings))
+    # Below the last panel of each column, which need not be in the last row.
+    for axes in grid.flat[max(len(fates) - columns, 0) : len(fates)]:
+        axes.set_xlabel(_words_of("x", settings))
+        axes.tick_params(labelbottom=True)
+    for axes in grid.flat[len(fates) :]:
+        axes.remove()
+    return drawn
+
+
+def _rows(dataset: xr.Dataset, fates: list[xr.DataArray], settings: dict[str, Any]) -> Any:
+    drawn, axes = plt.subplots(figsize=(LEAST_WIDTH, max(ROW * len(fates), LEAST_HEIGHT) + AROUND))
+    numbers = xr.DataArray(np.arange(len(fates)), dims="method")
+    _paint(axes, evaluate(dataset, settings["x"]), numbers, xr.concat(fates, "method"), settings)
+    axes.set_yticks(numbers.values, [plain(word(method)) for method in settings["methods"]])
+    axes.invert_yaxis()
+    axes.set_xlabel(_words_of("x", settings))
+    return drawn
+
+
+def _paint(axes: Any, x: xr.DataArray, y: xr.DataArray, fates: xr.DataArray, settings: dict[str, Any]) -> None:
+    """A cell for each scenario."""
+    x, y, fates = ascending(x, y, fates)
+    colours = ListedColormap([COLOURS[status.name] for status in Status])
+    norm = BoundaryNorm(np.arange(len(Status) + 1) - 0.5, len(Status))
+    edges = [cell_edges(side.values, name in settings["log"]) for name, side in (("x", x), ("y", y))]
+    axes.pcolormesh(*edges, fates.values, cmap=colours, norm=norm, rasterized=True)
+    for name, set_scale in (("x", axes.set_xscale), ("y", axes.set_yscale)):
+        if name in settings["log"]:
+            set_scale("log")
+    axes.grid(visible=False)
+
+
+def _name_statuses(drawn: Any, fates: np.ndarray, words: tuple[str, ...]) -> None:
+    """A legend of the statuses that occur, in words, with their numbers."""
+    counts = np.bincount(fates, minlength=len(words))
+    found = [Status[name] for name, count in zip(words, counts, strict=True) if count]
+    handles = [plt.Rectangle((0, 0), 1, 1, facecolor=COLOURS[status.name], edgecolor="#888888") for status in found]
+    labels = [f"{word(status.name)} ({counts[status]} of {fates.size}): {status.sentence}" for status in found]
+    drawn.legend(handles, labels, loc="outside lower left", fontsize=8)
+
+
+def _words_of(name: str, settings: dict[str, Any]) -> str:
+    return plain(settings[f"{name}_label"]) if f"{name}_label" in settings else formula_label(settings[name])
