@@ -144,7 +144,8 @@ def _to_depth(p: StreamLine, march: March) -> Answer:
         return height / depth - 1.0, ((higher - height) / (depth * DIFFERENCE * length))[:, :, None]
 
     points = damped_newton(system, np.where(reached, exact.length, p.depth)[:, None], TOLERANCE)
-    fate = np.where(points.converged, Status.ok, Status.not_converged)
+    # Newton may also find the depth behind A, on a line of negative length.
+    fate = np.where(points.converged & (points.x[:, 0] > 0.0), Status.ok, Status.not_converged)
     return p.pull, points.x[:, 0], np.where(reached, fate, Status.infeasible), points.iterations
 
 

@@ -126,3 +126,19 @@ def test_a_line_no_longer_than_its_chord_is_infeasible(length: float) -> None:
 def test_a_line_without_any_load_has_no_shape(given: dict[str, object]) -> None:
     line = LINE | {"stream_speed": 0.0, "weight_per_length": 0.0, **given}
     assert solve("segment_line", line).status == Status.out_of_domain
+
+
+def test_a_depth_that_is_only_found_behind_the_end_is_not_reached() -> None:
+    """Found by the hunt: Newton's method left for a polygon of negative length, and that was answered as solved."""
+    line = LOADED_ROPE | {
+        "weight_per_length": 56.662676219333235,
+        "diameter": 0.015752836963820602,
+        "normal_drag_coefficient": 1.2225343721014129,
+        "tangential_drag_coefficient": 0.022984930687927306,
+        "stream_speed": 2.5201933538241015,
+        "force_A": [267.6992047736044, 0.0, -316.90458421129665],
+        "depth": 1.8181311119555512,
+    }
+    found = solve("segment_line", line, {"segments": 1, "variant": "midpoint"})
+    assert found.status == Status.not_converged
+    assert np.isnan(found.outputs["line_length"]).all()
