@@ -72,15 +72,17 @@ def catenary(line: Line) -> tuple[dict[str, Answer], Array]:
     mean = np.arcsinh(line.rise / line.span * (x + e) / (np.sinh(x) + e * np.cosh(x)))
     first, last, upper = mean - x, mean + x, np.abs(mean) + x
     ends = line.weight * a * np.cosh(first), line.weight * a * np.cosh(last)
+    # Of stretched, steep lines the lower end has what the upper one leaves, which goes with the rounding of w L / EA.
+    largest = np.maximum(*ends)
     stretch = a * a * e / line.length
     vertex, spread = (a * turn + 2.0 * stretch * np.sinh(turn) for turn in (x - mean, x + np.abs(mean)))
     arc = 2.0 * x + np.sinh(2.0 * x) * np.cosh(2.0 * mean)
     return {
         "catenary_parameter": _plain(a),
         "horizontal_tension": _plain(line.weight * a),
-        "tension_A": _plain(ends[0]),
-        "tension_B": _plain(ends[1]),
-        "max_tension": _plain(np.maximum(*ends)),
+        "tension_A": Answer(ends[0], np.where(e > 0.0, largest, ends[0])),
+        "tension_B": Answer(ends[1], np.where(e > 0.0, largest, ends[1])),
+        "max_tension": _plain(largest),
         "sag": _plain(_sag(line, a, stretch, x)),
         "drop": _plain(2.0 * a * np.sinh(0.5 * upper) ** 2 + stretch * np.sinh(upper) ** 2),
         "vertex_x": Answer(vertex, spread),
