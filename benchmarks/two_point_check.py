@@ -12,9 +12,9 @@ from time import perf_counter
 import numpy as np
 
 from cablesim.batch import solve
+from cablesim.hunt._stream_check import Check, check, random_problems
 from cablesim.status import Status
 from tests.helpers import rows
-from tests.stream_check import Check, check, random_problems
 
 WRONG = 1e-8
 # Lines followed at once: few enough that their pieces stay in memory.

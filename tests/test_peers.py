@@ -5,10 +5,10 @@ import pytest
 
 from cablesim import sources
 from cablesim.batch import solve
+from cablesim.hunt._stream_check import LOADED_ROPE
 from cablesim.peers import _each
 from cablesim.solver import load_solver, peer_names
 from cablesim.status import Status
-from tests.stream_check import LOADED_ROPE
 from tests.wave_check import CASE, without
 
 HANGING = {

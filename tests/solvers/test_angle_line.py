@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from cablesim.batch import Results, solve
+from cablesim.hunt._stream_check import LOADED_ROPE, norm, random_problems
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import draw, rows
-from tests.stream_check import LOADED_ROPE, norm, random_problems
 
 RTOL = 1e-6
 LINE = LOADED_ROPE | {"line_length": 50.0}

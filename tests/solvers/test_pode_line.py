@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from cablesim.batch import default_outputs, solve
+from cablesim.hunt._stream_check import LOADED_ROPE, norm, random_problems
 from cablesim.numerics import Array
 from cablesim.physics.stream import FRICTION_LAWS
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import REFERENCE, draw, in_plane, read_table, rows
-from tests.stream_check import LOADED_ROPE, norm, random_problems
 
 # All but what tells of the work.
 OUTPUTS = tuple(name for name in default_outputs(load_solver("pode_line")) if name not in ("steps", "closing_error"))

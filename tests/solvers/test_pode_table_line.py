@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from cablesim.batch import solve
+from cablesim.hunt._stream_check import norm
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import draw, rows
 from tests.solvers.test_pode_line import EXAMPLE
-from tests.stream_check import norm
 
 LINE = EXAMPLE | {"position_B": [0.0, 0.0, 30.48]}
 

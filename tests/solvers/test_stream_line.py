@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from cablesim.batch import Results, default_outputs, solve
+from cablesim.hunt._stream_check import ROPE, check, loads_on, norm, random_problems
 from cablesim.numerics import Array
 from cablesim.physics.stream import FRICTION_LAWS
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import REFERENCE, draw, read_table, relative_error, rows
-from tests.stream_check import ROPE, check, loads_on, norm, random_problems
 
 SOLVER = "stream_line"
 OUTPUTS = default_outputs(load_solver(SOLVER))

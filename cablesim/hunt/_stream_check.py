@@ -10,7 +10,6 @@ from cablesim.physics.stream import FRICTION_LAWS
 from cablesim.solver import load_solver
 from cablesim.solvers._stream_march import trace
 from cablesim.status import Status
-from tests.helpers import rows
 
 Lines = dict[str, np.ndarray]
 
@@ -29,6 +28,11 @@ ROPE = {
 }
 # The same with a weight, in a stream.
 LOADED_ROPE = ROPE | {"weight_per_length": 5.0, "stream_speed": 1.0}
+
+
+def rows(line: Lines, which: np.ndarray | slice) -> Lines:
+    """Some of the lines."""
+    return {name: values[which] for name, values in line.items()}
 
 
 def norm(vectors: Array) -> Array:
@@ -125,11 +129,7 @@ def _extrapolated(state: Array, h: Array, line: Lines, length: Array) -> tuple[A
 
 @dataclass(frozen=True)
 class Check:
-    """What became of lines between two ends: status, distance from B over the length, misfit of the integration.
-
-    `misfit` (scenario,) is the largest difference, between what another method makes of one node and the next node, of
-    the force relative to the tension there (`FAINTEST`) or of the position relative to the length of the line.
-    """
+    """What became of lines between two ends: status, distance from B over the length, misfit of the integration."""
 
     status: np.ndarray
     closing: Array
@@ -138,24 +138,32 @@ class Check:
 
 def check(line: Lines, nodes: int = 41) -> Check:
     """Solve lines between two ends and follow each from node to node by `integrated`."""
-    chosen = load_solver("stream_line")
-    found = solve("stream_line", line, outputs=("closing_error", "force_A", "force_B"))
-    size = line["line_length"].size
-    misfit = np.full(size, np.nan)
+    found = solve("stream_line", line)
+    misfit = np.full(line["line_length"].size, np.nan)
     ok = np.flatnonzero(found.status == Status.ok)
-    some = rows(line, ok)
-    answer = chosen.module.solve(chosen.make_parameters(some), chosen.make_options({})).answer
+    misfit[ok] = misfits(rows(line, ok), rows(found.outputs, ok), nodes)
+    return Check(found.status, found.outputs["closing_error"] / line["line_length"], misfit)
+
+
+def misfits(line: Lines, found: Lines, nodes: int, **options: float) -> Array:
+    """By how much lines that are solved, whatever was given of them, miss the equations from node to node.
+
+    The largest difference, between what another method makes of one node and the next node, of the force relative to
+    the tension there (`FAINTEST`) or of the position relative to the length of the line; shape (scenario,).
+    """
+    chosen = load_solver("stream_line")
+    answer = chosen.module.solve(chosen.make_parameters(line), chosen.make_options(options)).answer
     positions, forces = trace(answer.force, answer.at, answer.line_length, answer.loads, answer.rtol, nodes)
-    at, length = answer.at, some["line_length"]
+    length = found["line_length"]
+    whole = line | {"line_length": length, "position_B": found["position_B"]}
     s = length[:, None] * np.linspace(0.0, 1.0, nodes)
-    inner = np.argsort(np.column_stack([s, at]), axis=1, kind="stable")
-    s = np.take_along_axis(np.column_stack([s, at]), inner, axis=1)
+    inner = np.argsort(np.column_stack([s, answer.at]), axis=1, kind="stable")
+    s = np.take_along_axis(np.column_stack([s, answer.at]), inner, axis=1)
     joined = [
         np.take_along_axis(np.concatenate([values, extra[:, None]], axis=1), inner[:, :, None], axis=1)
         for values, extra in ((positions, -answer.back.position), (forces, answer.force))
     ]
-    misfit[ok] = np.maximum(_misfit(s, *joined, some), _misfit_at_ends(joined, answer, rows(found.outputs, ok), some))
-    return Check(found.status, found.outputs["closing_error"] / line["line_length"], misfit)
+    return np.maximum(_misfit(s, *joined, whole), _misfit_at_ends(joined, found, whole))
 
 
 def _misfit(s: Array, positions: Array, forces: Array, line: Lines) -> Array:
@@ -177,7 +185,7 @@ def _misfit(s: Array, positions: Array, forces: Array, line: Lines) -> Array:
     return np.where(np.isnan(worst), np.inf, worst).max(axis=1)
 
 
-def _misfit_at_ends(joined: list[Array], answer: object, found: Lines, line: Lines) -> Array:
+def _misfit_at_ends(joined: list[Array], found: Lines, line: Lines) -> Array:
     """What the ends of the followed line miss of the given position of B and of the answered forces."""
     positions, forces = joined
     miss = np.linalg.norm(positions[:, -1] - line["position_B"], axis=1) / line["line_length"]
