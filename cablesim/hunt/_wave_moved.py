@@ -176,6 +176,8 @@ def rotation(case: Case, found: Results) -> Array:
 def second_march(case: Case, found: Results) -> Array:
     """The same line by an explicit method, or where that takes too many steps with a hundredth of the tolerance.
 
+    At its longest stable step `rk4` damps the shortest waves, and 12 % of a peak were lost by that: a third is taken.
+
     The other march of a line that snaps is a sample as well, and no more certain than its own periods are alike.
     """
     miss = np.full(case.size, np.nan)
@@ -189,7 +191,7 @@ def second_march(case: Case, found: Results) -> Array:
 
 def _finer(case: Case) -> list[dict[str, Any]]:
     rtol, integrator = case.options["rtol"], case.options["integrator"]
-    explicit = {"integrator": "leapfrog" if integrator == "rk4" else "rk4", "rtol": 0.1 * rtol}
+    explicit = {"integrator": "leapfrog" if integrator == "rk4" else "rk4", "rtol": 0.1 * rtol, "step_part": 0.3}
     finer = {"integrator": "generalized_alpha", "rtol": 0.01 * rtol, "most_steps": FINER_STEPS}
     first = [explicit | {"most_steps": EXPLICIT_STEPS}] if case.options["segments"] <= MOST_SEGMENTS else []
     return [options | {"time_check": "no"} for options in (*first, finer)]
