@@ -41,8 +41,8 @@ CHANGES, TOLERANCES = 5.0, 10.0
 # ... and of a line that goes slack, of the root of its error of energy. What numerical damping takes after a snap
 # would ring, and the energy of waves goes as the square of their tension.
 RINGING = 2.0
-# A change that says that nothing is known.
-UNKNOWN = 0.5
+# A change that says only that nothing is known.
+UNKNOWN = 0.1
 
 
 def once(case: Case) -> Case:
@@ -54,12 +54,13 @@ def told(case: Case, found: Results) -> Array:
     """What tensions may miss by what their result says of itself, over the largest of all.
 
     The tensions of a line that snaps are as uncertain as its periods are different, and as what is damped would ring. A
-    change tells of the error while it is small: one of half of all there is says that nothing is known.
+    change tells of the error while it is small: one of a tenth says that steps are far too long for what the line does,
+    and no more; NaN then.
     """
     change = np.maximum(found.outputs["time_change"], irregularity(found))
     ringing = np.where(found.outputs["slack_fraction"] > 0.0, np.sqrt(found.outputs["energy_error"]), 0.0)
     allowed = CHANGES * change + RINGING * ringing + TOLERANCES * case.options["rtol"]
-    return np.where(found.outputs["time_change"] > UNKNOWN, np.inf, allowed)
+    return np.where(found.outputs["time_change"] > UNKNOWN, np.nan, allowed)
 
 
 def irregularity(found: Results) -> Array:
@@ -175,6 +176,8 @@ def rotation(case: Case, found: Results) -> Array:
 def second_march(case: Case, found: Results) -> Array:
     """The same line by an explicit method, or where that takes too many steps with a hundredth of the tolerance.
 
+    At its longest stable step `rk4` damps the shortest waves, and 12 % of a peak were lost by that: a third is taken.
+
     The other march of a line that snaps is a sample as well, and no more certain than its own periods are alike.
     """
     miss = np.full(case.size, np.nan)
@@ -188,7 +191,7 @@ def second_march(case: Case, found: Results) -> Array:
 
 def _finer(case: Case) -> list[dict[str, Any]]:
     rtol, integrator = case.options["rtol"], case.options["integrator"]
-    explicit = {"integrator": "leapfrog" if integrator == "rk4" else "rk4", "rtol": 0.1 * rtol}
+    explicit = {"integrator": "leapfrog" if integrator == "rk4" else "rk4", "rtol": 0.1 * rtol, "step_part": 0.3}
     finer = {"integrator": "generalized_alpha", "rtol": 0.01 * rtol, "most_steps": FINER_STEPS}
     first = [explicit | {"most_steps": EXPLICIT_STEPS}] if case.options["segments"] <= MOST_SEGMENTS else []
     return [options | {"time_check": "no"} for options in (*first, finer)]
