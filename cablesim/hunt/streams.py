@@ -193,7 +193,7 @@ def _allowed(case: Case, found: Results, base: float) -> Array:
 
 
 def _allowed_from_force(case: Case, found: Results, base: float) -> Array:
-    """The same of the line that starts with the answered force; of lines in a plane, by the method that may leave it."""
+    """The same of the line that starts with the answered force; for plane methods, by one that may leave the plane."""
     solver, options = ("stream_line", {}) if case.solver in PLANE else (case.solver, case.options)
     rng = np.random.default_rng(1)
     answers = []

@@ -156,6 +156,10 @@ def _from_end(p: Parameters, options: Options) -> Solution:
         which, sign, target = VERTICAL, plane.mirror, p.depth / unit
     ends, walked = walk(start, plane.direction, plane.lines, which, sign, target[:, None])
     end, integrals = ends[:, 0], walked[:, 0]
+    # Nearly straight, or near a singular angle, u at both ends is nearly the same, and its rounding a part of the line:
+    # of the integrals only the ratios are sure, and one of them is given.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        integrals[:, :TENSION] *= (target / (sign * integrals[:, which]))[:, None]
     length = p.line_length if p.depth is None else unit * integrals[:, LENGTH]
     line = PodeLine(p.force_A, length, p.loads, options.nodes, plane, start, end, integrals, np.zeros(p.size))
     if p.depth is not None:

@@ -259,3 +259,25 @@ def test_a_floating_line_never_reaches_a_depth_above_its_end() -> None:
     line = {name: value for name, value in LINE.items() if name != "line_length"} | {"weight_per_length": -5.0}
     found = solve("pode_line", line | {"depth": 10.0, "force_A": [10.0, 0.0, -20.0]})
     assert found.status == Status.infeasible
+
+
+def test_a_nearly_straight_line_is_no_longer_than_it_is() -> None:
+    """Found by the hunt: lightly loaded or near a singular angle, B was off by up to 6e-6 of the length."""
+    line = {
+        "weight_per_length": [0.0, 157.08702282446342],
+        "diameter": [0.01496950346076259, 0.007686633112888072],
+        "normal_drag_coefficient": [1.1841208165714228, 1.2792966675140094],
+        "tangential_drag_coefficient": [0.0, 0.026946697788757166],
+        "friction_law": ["zero", "cosine_squared"],
+        "fluid_density": [1.2, 1025.0],
+        "stream_speed": [0.018660018140571024, 0.0],
+        "force_A": [
+            [2.270961896363962e-07, 0.0, -1.1874261756910725e-14],
+            [5122755.651476796, 0.0, -105524944082.44814],
+        ],
+    }
+    length = np.array([0.0019153438553266761, 2775.02733688429])
+    found, expected = (solve(name, line | {"line_length": length}) for name in ("pode_line", "stream_line"))
+    assert (found.status == Status.ok).all()
+    off = norm(found.outputs["position_B"] - expected.outputs["position_B"])
+    assert (off <= PROMISED * length).all()
