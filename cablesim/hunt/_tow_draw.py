@@ -64,8 +64,8 @@ def of_two(line: Lines) -> Lines:
     return line | {name: line[name][:, :2] for name in ("section_length", "section_weight")}
 
 
-def towed(size: int, rng: np.random.Generator) -> Case:
-    """Tow lines in calm water and in the jerk, by their sections or by their distances."""
+def towed(size: int, rng: np.random.Generator) -> list[Case]:
+    """Tow lines in calm water and in the jerk, four in five by their sections, the others by their distances."""
     line = composite(size, rng)
     pull = _mixed(rng, size, PULLS, EXTREME_PULLS) * weight(line)
     strength = 2.0 * pull * (1.0 + _mixed(rng, size, (-1.0, 1.0), (-14.0, 6.0)))
@@ -75,12 +75,12 @@ def towed(size: int, rng: np.random.Generator) -> Case:
         "diameter": 10.0 ** rng.uniform(-4.0, 1.0, size),
         "wire_modulus": 10.0 ** rng.uniform(6.0, 13.0, size),
     }
-    if rng.random() < 0.7:
-        return Case("tow_wave_height", wire | line, {})
     calm = 10.0 ** rng.uniform(-3.0, 6.0, size)
     jerk = calm * (1.0 + rng.choice([-1e-3, 0.0, 1e-15, 1e-3, 1.0], size))
     distances = {"distance_calm": calm, "distance_jerk": jerk, "line_length": length(line)}
-    return Case("tow_wave_height", wire | distances, {})
+    given = rng.random(size) < 0.2
+    by_sections, by_distances = Case("tow_wave_height", wire | line, {}), Case("tow_wave_height", wire | distances, {})
+    return [case for case in (by_sections.rows(~given), by_distances.rows(given)) if case.size]
 
 
 def _mixed(rng: np.random.Generator, size: int, ordinary: tuple[float, float], extreme: tuple[float, float]) -> Array:

@@ -23,7 +23,7 @@ MOST_NODES = 12
 def draw(solver: str, size: int, rng: np.random.Generator) -> list[Case]:
     """Lines pulled with a force, between two ends, or of wire and chain, and lines that tow."""
     if solver == "tow_wave_height":
-        return [towed(size, rng)]
+        return towed(size, rng)
     options = {"nodes": int(rng.integers(2, MOST_NODES))}
     if solver in ("composite_line", "composite_mean_weight"):
         lines = (pulled(size // 2, rng), spanned(size - size // 2, rng)) if size > 1 else (pulled(size, rng),)
