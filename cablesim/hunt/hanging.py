@@ -77,15 +77,15 @@ def off_the_formula(name: str, case: Case, found: Results) -> Array:
 def out_of_balance(case: Case, found: Results) -> Array:
     """How far the ends are from where these tensions hold them (M6), with V from T_B^2 - T_A^2 = V_B^2 - V_A^2.
 
-    The tensions are known to some roundings, which leaves V uncertain by T^2 / w L of them: of lines that are nearly
-    weightless beside their tension nothing, and they are not judged.
+    Both tensions are known to some roundings, which leaves V uncertain by (T_A^2 + T_B^2) / w L of them: of lines that
+    are nearly weightless beside their tension nothing, and they are not judged.
     """
     line = line_of(case)
     horizontal, first, last = (longer(found.outputs[name]) for name in ("horizontal_tension", "tension_A", "tension_B"))
     weight = line.weight * line.length
     force = 0.5 * ((last - first) * (last + first) / weight + weight)
     ends, rounding = hung_ends(line, horizontal, force), OPERATIONS * ROUNDING
-    unknown = rounding * np.maximum(first, last) ** 2 / weight
+    unknown = rounding * (first**2 + last**2) / weight
     across = rounding * (2.0 * ends.a + line.span + ends.a * ends.angles) + unknown * ends.across_by_force
     up = rounding * (np.abs(line.rise) + line.span + line.length) + unknown * ends.up_by_force
     misses = worst(np.abs(ends.across - line.span) / across, np.abs(ends.up - line.rise) / up)
