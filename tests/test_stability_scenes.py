@@ -173,7 +173,7 @@ def test_the_legend_names_the_statuses_that_occur_with_their_number_and_colour(t
         f"infeasible ({counts[1]} of 18): no equilibrium exists for these parameters",
     ]
     colours = [to_hex(patch.get_facecolor()) for patch in legend.get_patches()]
-    assert colours == [COLOURS["ok"].lower(), COLOURS["infeasible"].lower()]
+    assert colours == [COLOURS[Status.ok].lower(), COLOURS[Status.infeasible].lower()]
 
 
 def test_without_a_second_side_there_is_a_row_for_each_method(tmp_path):
@@ -191,7 +191,7 @@ def test_chosen_methods_at_a_chosen_point_are_shown(tmp_path):
 
 
 def test_every_status_has_a_colour_of_its_own_lightness():
-    assert set(COLOURS) == {status.name for status in Status}
+    assert set(COLOURS) == set(Status)
     # Luminance by ITU-R BT.709, which is what is left of a colour on a grey printer.
     weights = (0.2126, 0.7152, 0.0722)
     grey = sorted(

@@ -14,7 +14,13 @@ from cablesim.report.drawing import ascending, cell_edges, formula_label, plain,
 from cablesim.status import Status
 
 # Of Okabe and Ito's palette, but for what is solved: told apart by any kind of colour vision, and by lightness alone.
-COLOURS = {"ok": "#E8E8E8", "infeasible": "#56B4E9", "not_converged": "#D55E00", "out_of_domain": "#000000"}
+COLOURS = {
+    Status.ok: "#E8E8E8",
+    Status.infeasible: "#56B4E9",
+    Status.not_converged: "#D55E00",
+    Status.out_of_domain: "#000000",
+    Status.unavailable: "#CC79A7",
+}
 # In inches: of a panel, of a row of one and the least of all, and for labels, title and legend.
 PANEL_WIDTH, PANEL_HEIGHT, ROW, LEAST_WIDTH, LEAST_HEIGHT, AROUND = 2.9, 2.0, 0.3, 7.0, 0.8, 1.7
 
@@ -63,7 +69,7 @@ def _rows(dataset: xr.Dataset, fates: list[xr.DataArray], settings: dict[str, An
 def _paint(axes: Any, x: xr.DataArray, y: xr.DataArray, fates: xr.DataArray, settings: dict[str, Any]) -> None:
     """A cell for each scenario."""
     x, y, fates = ascending(x, y, fates)
-    colours = ListedColormap([COLOURS[status.name] for status in Status])
+    colours = ListedColormap([COLOURS[status] for status in Status])
     norm = BoundaryNorm(np.arange(len(Status) + 1) - 0.5, len(Status))
     edges = [cell_edges(side.values, name in settings["log"]) for name, side in (("x", x), ("y", y))]
     axes.pcolormesh(*edges, fates.values, cmap=colours, norm=norm, rasterized=True)
@@ -77,7 +83,7 @@ def _name_statuses(drawn: Any, fates: np.ndarray, words: tuple[str, ...]) -> Non
     """A legend of the statuses that occur, in words, with their numbers."""
     counts = np.bincount(fates, minlength=len(words))
     found = [Status[name] for name, count in zip(words, counts, strict=True) if count]
-    handles = [plt.Rectangle((0, 0), 1, 1, facecolor=COLOURS[status.name], edgecolor="#888888") for status in found]
+    handles = [plt.Rectangle((0, 0), 1, 1, facecolor=COLOURS[status], edgecolor="#888888") for status in found]
     labels = [f"{word(status.name)} ({counts[status]} of {fates.size}): {status.sentence}" for status in found]
     drawn.legend(handles, labels, loc="outside lower left", fontsize=8)
 
