@@ -13,7 +13,8 @@ from cablesim.database.reading import evaluate, of_method, status_words
 from cablesim.report.drawing import ascending, cell_edges, formula_label, plain, word
 from cablesim.status import Status
 
-# Of Okabe and Ito's palette, but for what is solved or not installed: told apart by any kind of colour vision, and by lightness alone.
+# Of Okabe and Ito's palette, but for what is solved or not installed: told apart by any kind of colour vision, and by
+# lightness alone.
 COLOURS = {
     Status.ok: "#E8E8E8",
     Status.infeasible: "#56B4E9",
