@@ -122,7 +122,7 @@ def integrated_line(case: Case, found: Results) -> Array:
 def polygon(case: Case, found: Results) -> Array:
     """M14 step by step in extended precision, with the loads as the book has them."""
     force, length = found.outputs["force_A"], found.outputs["line_length"]
-    pull = np.where(force.any(axis=1)[:, None], force, np.nan)
+    pull = np.where(force.any(axis=1, keepdims=True), force, np.nan)
     position, end, largest = _march(case, pull, length)
     seen = {"position_B": position, "force_B": end, "force_A": force, "line_length": length}
     apart = _apart(case, found, seen, np.zeros(case.size))
@@ -147,7 +147,7 @@ def _march(case: Case, force: Array, length: Array) -> tuple[Array, Array, Array
     return place.T.astype(float), here.T.astype(float), largest.astype(float)
 
 
-def _unit(vectors: Array) -> Array:
+def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.sqrt((vectors * vectors).sum(axis=0))
 
 
@@ -162,7 +162,7 @@ def _from_force(
     The force may be changed by a part of itself.
     """
     force = found.outputs["force_A"]
-    pulled = force.any(axis=1)
+    pulled = np.asarray(force.any(axis=1))
     given = {n: v for n, v in case.parameters.items() if n not in ("position_B", "depth", "line_length")}
     given["force_A"] = np.where(pulled[:, None], force + norm(force)[:, None] * change, 1.0)
     given["line_length"] = found.outputs["line_length"]
