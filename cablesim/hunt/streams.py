@@ -4,6 +4,7 @@ A line of known force through a slack part feels the last digit of that force; s
 much the answer changes when the given force, end and length are changed by a little (`_growth`).
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,8 @@ NODES = 9
 # By this part of themselves force, end and length are changed to see what an answer is sensitive to. What changes by
 # more than MOST of itself for it is not judged.
 CHANGE, MOST = 1e-7, 1e-2
+# A force that is rounded a few times is off by this part of itself.
+ROUNDING_OF_FORCE = 1e-15
 # Coarse and fine steps of the angle form may differ by this; its errors are smaller still.
 ANGLE_RTOL = 1e-6
 ANSWERS = ("position_B", "force_A", "force_B", "line_length")
@@ -116,7 +119,20 @@ def integrated_line(case: Case, found: Results) -> Array:
     again, ok = _from_force(case, found, "stream_line", {})
     base = ANGLE_RTOL if case.solver == "angle_line" else INTEGRATED
     apart = _apart(case, found, again, np.where(ok, Status.ok, -1))
-    return apart / (base + _allowed_from_force(case, found, ROUNDING))
+    return apart / (base + _rounded(case, found, again) + _allowed_from_force(case, found, ROUNDING))
+
+
+def _rounded(case: Case, found: Results, integrated: dict[str, Array]) -> Array:
+    """What rounding of the force changes of the integrated line, with room.
+
+    Nearly weightless and pulled along the stream a line's tension falls to exp(-1000) of itself; behind that a change
+    by rounding turns the line about as far as one by `CHANGE` does, and `_growth` makes too little of it.
+    """
+    own = replace(found, outputs=found.outputs | integrated)
+    change = ROUNDING_OF_FORCE * np.random.default_rng(2).normal(size=(case.size, 3))
+    other, ok = _from_force(case, own, "stream_line", {}, change)
+    apart = _apart(case, own, other, np.where(ok, Status.ok, -1))
+    return ROOM * np.where(np.isfinite(apart), apart, 0.0)
 
 
 def polygon(case: Case, found: Results) -> Array:
