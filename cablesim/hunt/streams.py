@@ -85,7 +85,7 @@ def mirror(case: Case, found: Results) -> Array:
             given[name] = case.parameters[name] * [1.0, -1.0, 1.0]
     other = case.solve(ANSWERS, **given)
     seen = {name: values * [1.0, -1.0, 1.0] if values.ndim == 2 else values for name, values in other.outputs.items()}
-    return _apart(case, found, seen, _same_fate(other.status)) / _allowed(case, found, ROUNDING)
+    return _apart(case, found, seen, _same_fate(other.status)) / _allowed(case, found, _kept(case))
 
 
 def turned(case: Case, found: Results) -> Array:
@@ -95,7 +95,7 @@ def turned(case: Case, found: Results) -> Array:
     given |= {n: case.parameters[n] @ quarter for n in ("force_A", "position_B") if n in case.parameters}
     other = case.solve(ANSWERS, **given)
     seen = {n: values @ quarter.T if values.ndim == 2 else values for n, values in other.outputs.items()}
-    return _apart(case, found, seen, _same_fate(other.status)) / _allowed(case, found, ROUNDING)
+    return _apart(case, found, seen, _same_fate(other.status)) / _allowed(case, found, _kept(case))
 
 
 def restart(case: Case, found: Results) -> Array:
@@ -199,6 +199,11 @@ def _apart(case: Case, found: Results, seen: dict[str, Array], status: Array) ->
         miss = np.maximum(miss, norm(out[name] - seen[name]) / scale)
     judged = (status >= 0) & (largest > TRACE * loads(case.parameters)[0] * length)
     return np.where(judged, np.where(status == Status.ok, miss, np.inf), np.nan)
+
+
+def _kept(case: Case) -> float:
+    """What images keep: of a nearly straight line the angle form knows the turn only as a difference of angles."""
+    return ANGLE_RTOL if case.solver == "angle_line" else ROUNDING
 
 
 def _same_fate(status: Array) -> Array:
