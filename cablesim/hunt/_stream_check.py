@@ -163,11 +163,12 @@ def misfits(line: Lines, found: Lines, nodes: int, **options: float) -> Array:
         np.take_along_axis(np.concatenate([values, extra[:, None]], axis=1), inner[:, :, None], axis=1)
         for values, extra in ((positions, -answer.back.position), (forces, answer.force))
     ]
-    return np.maximum(_misfit(s, *joined, whole), _misfit_at_ends(joined, found, whole))
+    return np.maximum(_misfit(s, joined, whole), _misfit_at_ends(joined, found, whole))
 
 
-def _misfit(s: Array, positions: Array, forces: Array, line: Lines) -> Array:
+def _misfit(s: Array, joined: list[Array], line: Lines) -> Array:
     """Every piece is followed from its slacker end, from where errors do not grow."""
+    positions, forces = joined
     size, nodes = s.shape
     tension = np.linalg.norm(forces, axis=2)
     onward = tension[:, :-1] <= tension[:, 1:]

@@ -125,7 +125,7 @@ def spread(rng: np.random.Generator, size: int, low: float, high: float) -> Arra
     return np.exp(rng.uniform(np.log(low), np.log(high), size))
 
 
-def mixed(rng: np.random.Generator, *choices: Array) -> Array:
+def mixed(rng: np.random.Generator, *choices: np.ndarray) -> Array:
     """For every scenario the value of one of the choices."""
     return np.stack(choices)[rng.integers(len(choices), size=choices[0].size), np.arange(choices[0].size)]
 

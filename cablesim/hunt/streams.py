@@ -4,6 +4,7 @@ A line of known force through a slack part feels the last digit of that force; s
 much the answer changes when the given force, end and length are changed by a little (`_growth`).
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,8 @@ NODES = 9
 # By this part of themselves force, end and length are changed to see what an answer is sensitive to. What changes by
 # more than MOST of itself for it is not judged.
 CHANGE, MOST = 1e-7, 1e-2
+# A force that is rounded a few times is off by this part of itself.
+ROUNDING_OF_FORCE = 1e-15
 # Coarse and fine steps of the angle form may differ by this; its errors are smaller still.
 ANGLE_RTOL = 1e-6
 ANSWERS = ("position_B", "force_A", "force_B", "line_length")
@@ -82,7 +85,7 @@ def mirror(case: Case, found: Results) -> Array:
             given[name] = case.parameters[name] * [1.0, -1.0, 1.0]
     other = case.solve(ANSWERS, **given)
     seen = {name: values * [1.0, -1.0, 1.0] if values.ndim == 2 else values for name, values in other.outputs.items()}
-    return _apart(case, found, seen, other.status) / _allowed(case, found, ROUNDING)
+    return _apart(case, found, seen, _same_fate(other.status)) / _allowed(case, found, _kept(case))
 
 
 def turned(case: Case, found: Results) -> Array:
@@ -92,7 +95,7 @@ def turned(case: Case, found: Results) -> Array:
     given |= {n: case.parameters[n] @ quarter for n in ("force_A", "position_B") if n in case.parameters}
     other = case.solve(ANSWERS, **given)
     seen = {n: values @ quarter.T if values.ndim == 2 else values for n, values in other.outputs.items()}
-    return _apart(case, found, seen, other.status) / _allowed(case, found, ROUNDING)
+    return _apart(case, found, seen, _same_fate(other.status)) / _allowed(case, found, _kept(case))
 
 
 def restart(case: Case, found: Results) -> Array:
@@ -116,13 +119,26 @@ def integrated_line(case: Case, found: Results) -> Array:
     again, ok = _from_force(case, found, "stream_line", {})
     base = ANGLE_RTOL if case.solver == "angle_line" else INTEGRATED
     apart = _apart(case, found, again, np.where(ok, Status.ok, -1))
-    return apart / (base + _allowed_from_force(case, found, ROUNDING))
+    return apart / (base + _rounded(case, found, again) + _allowed_from_force(case, found, ROUNDING))
+
+
+def _rounded(case: Case, found: Results, integrated: dict[str, Array]) -> Array:
+    """What rounding of the force changes of the integrated line, with room.
+
+    Nearly weightless and pulled along the stream a line's tension falls to exp(-1000) of itself; behind that a change
+    by rounding turns the line about as far as one by `CHANGE` does, and `_growth` makes too little of it.
+    """
+    own = replace(found, outputs=found.outputs | integrated)
+    change = ROUNDING_OF_FORCE * np.random.default_rng(2).normal(size=(case.size, 3))
+    other, ok = _from_force(case, own, "stream_line", {}, change)
+    apart = _apart(case, own, other, np.where(ok, Status.ok, -1))
+    return ROOM * np.where(np.isfinite(apart), apart, 0.0)
 
 
 def polygon(case: Case, found: Results) -> Array:
     """M14 step by step in extended precision, with the loads as the book has them."""
     force, length = found.outputs["force_A"], found.outputs["line_length"]
-    pull = np.where(force.any(axis=1)[:, None], force, np.nan)
+    pull = np.where(force.any(axis=1, keepdims=True), force, np.nan)
     position, end, largest = _march(case, pull, length)
     seen = {"position_B": position, "force_B": end, "force_A": force, "line_length": length}
     apart = _apart(case, found, seen, np.zeros(case.size))
@@ -147,7 +163,7 @@ def _march(case: Case, force: Array, length: Array) -> tuple[Array, Array, Array
     return place.T.astype(float), here.T.astype(float), largest.astype(float)
 
 
-def _unit(vectors: Array) -> Array:
+def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.sqrt((vectors * vectors).sum(axis=0))
 
 
@@ -162,7 +178,7 @@ def _from_force(
     The force may be changed by a part of itself.
     """
     force = found.outputs["force_A"]
-    pulled = force.any(axis=1)
+    pulled = np.asarray(force.any(axis=1))
     given = {n: v for n, v in case.parameters.items() if n not in ("position_B", "depth", "line_length")}
     given["force_A"] = np.where(pulled[:, None], force + norm(force)[:, None] * change, 1.0)
     given["line_length"] = found.outputs["line_length"]
@@ -183,6 +199,19 @@ def _apart(case: Case, found: Results, seen: dict[str, Array], status: Array) ->
         miss = np.maximum(miss, norm(out[name] - seen[name]) / scale)
     judged = (status >= 0) & (largest > TRACE * loads(case.parameters)[0] * length)
     return np.where(judged, np.where(status == Status.ok, miss, np.inf), np.nan)
+
+
+def _kept(case: Case) -> float:
+    """What images keep: of a nearly straight line the angle form knows the turn only as a difference of angles."""
+    return ANGLE_RTOL if case.solver == "angle_line" else ROUNDING
+
+
+def _same_fate(status: Array) -> Array:
+    """Not judged is a line whose image has no answer: it lies at a threshold, on either side of which rounding puts it.
+
+    A failure that says so is no wrong answer.
+    """
+    return np.where(status == Status.ok, Status.ok, -1)
 
 
 def _allowed(case: Case, found: Results, base: float) -> Array:

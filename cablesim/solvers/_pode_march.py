@@ -62,6 +62,13 @@ def end_slopes(u: Array, start: Array, lines: Array) -> Array:
     return found
 
 
+def tension_logarithms(u: Array, lines: Array) -> Array:
+    """log(T) at many u, for each line up to a constant."""
+    found = np.empty(u.size)
+    _tension_logarithms(u, lines, found)
+    return found
+
+
 def angles(u: Array, lines: Array) -> Array:
     """Angles of many u."""
     found = np.empty(u.size)
@@ -92,6 +99,12 @@ def _pack_all(critical, tail, friction, laws, lines):
 def _logits(angle, critical, tail, u):
     for i in range(angle.size):
         u[i] = logit_of_angle(angle[i], critical[i], tail[i])
+
+
+@compiled
+def _tension_logarithms(u, lines, found):
+    for i in range(u.size):
+        found[i] = tension_logarithm(u[i], lines[i])
 
 
 @compiled

@@ -8,6 +8,9 @@ both ends follow from direction and length of the chord. A floating line is the 
 is the limit of a critical angle of 90 deg, the neutral line that of 0. A line on the other side of the singular angle
 is the same line walked from its other end.
 
+The tension is a difference of logarithms, which friction makes huge near the singular angles of a nearly weightless
+line: one whose tension would keep less than ten digits is out of domain.
+
 Reference: L. Pode, David Taylor Model Basin report 687, 1951; Handbook on ropes and fishing gear (in Chinese), sections
 3-4 and 3-5.
 """
@@ -31,6 +34,7 @@ from cablesim.solvers._pode_march import (
     logits,
     packed,
     pode_integrals,
+    tension_logarithms,
     walk,
 )
 from cablesim.solvers._stream_ends import InnerForce, force_between_ends
@@ -49,6 +53,8 @@ ITERATES = True
 ESTIMATE, TOLERANCE = 1e-8, 1e-13
 # A force or chord that leaves the plane by less than this part of itself does so by rounding alone.
 IN_PLANE = 1e-12
+# A tension is worth the rounding of its logarithm, and that of u times how steep it is; it must be this much.
+WORTH = 1e-10
 
 
 @dataclass(frozen=True)
@@ -166,7 +172,7 @@ def _from_end(p: Parameters, options: Options) -> Solution:
         line = replace(line, closing_error=np.abs(line.position_B[:, 2] - p.depth))
     reached = np.isfinite(end) & (p.depth is None or length <= LONGEST_FOR_DEPTH * p.depth)
     missed = Status.infeasible if p.depth is not None else Status.out_of_domain
-    inside = _in_plane(p, p.force_A) & np.isfinite(start)
+    inside = _in_plane(p, p.force_A) & np.isfinite(start) & _keeps_digits(plane, start)
     status = np.where(inside, np.where(reached, Status.ok, missed), Status.out_of_domain).astype(np.int8)
     return Solution(status, line, np.ones(p.size, dtype=np.int32))
 
@@ -188,6 +194,8 @@ def _between_ends(p: Parameters, options: Options) -> Solution:
     line = replace(line, closing_error=np.linalg.norm(line.position_B - p.position_B, axis=1))
     status = p.fate_of_ends
     status = np.where(_in_plane(p, p.position_B) | (status == Status.infeasible), status, Status.out_of_domain)
+    kept = _keeps_digits(plane, start) & _keeps_digits(plane, end)
+    status = np.where((status == Status.ok) & ~kept & points.converged, Status.out_of_domain, status)
     failed = (status == Status.ok) & ~(points.converged & estimate.converged)
     return Solution(np.where(failed, Status.not_converged, status).astype(np.int8), line, points.iterations)
 
@@ -210,6 +218,12 @@ def _in_plane(p: Parameters, vector: Array) -> np.ndarray:
     across = vector[:, 1] * p.loads.direction[:, 0] - vector[:, 0] * p.loads.direction[:, 1]
     known = (p.loads.magnitude > 0.0) & ((p.loads.normal_drag > 0.0) | (p.loads.tangential_drag == 0.0))
     return known & (p.loads.lateral_drag == 0.0) & (np.abs(across) <= IN_PLANE * np.linalg.norm(vector, axis=1))
+
+
+def _keeps_digits(plane: Plane, u: Array) -> np.ndarray:
+    """Whether the tension at u is sure to `WORTH`: near a singular angle its logarithm is as steep as it is large."""
+    rounding = np.finfo(float).eps * (1.0 + np.abs(u))
+    return rounding * np.abs(tension_logarithms(u, plane.lines)) <= WORTH
 
 
 def _ends_from_inside(plane: Plane, inner: Array, estimate: InnerForce, length: Array) -> Array:

@@ -281,3 +281,10 @@ def test_a_nearly_straight_line_is_no_longer_than_it_is() -> None:
     assert (found.status == Status.ok).all()
     off = norm(found.outputs["position_B"] - expected.outputs["position_B"])
     assert (off <= PROMISED * length).all()
+
+
+def test_a_tension_that_keeps_too_few_digits_is_out_of_domain() -> None:
+    """Found by the hunt: weightless, 1e-8 rad off the stream, `force_B` was off by up to 1e-5; 1e-5 rad will do."""
+    line = LOADED_ROPE | {"weight_per_length": 0.0, "line_length": 100.0, "heading": 0.0}
+    found = solve("pode_line", line | {"force_A": [[-1e5, 0.0, 1e-3], [-1e5, 0.0, 1.0]]})
+    assert found.status.tolist() == [Status.out_of_domain, Status.ok]
