@@ -117,14 +117,23 @@ def test_what_is_found_is_counted_told_and_ends_in_exit_code_1(monkeypatch, caps
     assert "wrong:" not in capsys.readouterr().out
     assert (tmp_path / "hunt.csv").read_text().startswith("solver,scenarios,ok,")
 
+    suspects = 0
+
     def suspicious(case, results):
-        return np.where(np.arange(case.size) < 3, 2.5, np.nan)
+        nonlocal suspects
+        found = np.arange(case.size) < 3
+        suspects += np.count_nonzero(found)
+        return np.where(found, 2.5, np.nan)
 
     monkeypatch.setattr(_hunt, "judges_of", lambda solver: {"suspicion": suspicious})
     assert main(["hunt", QUICK, "--scenarios", "50"]) == 1
     out = capsys.readouterr().out
-    assert out.count("wrong: suspicion missed by 2.5 times what is allowed\n  cablesim solve tow_wave_height ") == 3
-    assert "suspicion 2.5 (3)" in out
+    assert (
+        out.count("wrong: suspicion missed by 2.5 times what is allowed\n  cablesim solve tow_wave_height ")
+        == suspects
+        > 0
+    )
+    assert f"suspicion 2.5 ({suspects})" in out
 
 
 @pytest.mark.parametrize(

@@ -113,4 +113,4 @@ def test_methods_that_do_without_the_law_are_solved_once_for_all_ratios(along):
 def test_a_study_of_lines_in_waves_can_be_read(name):
     scenes = read_study(CONFIG / f"{name}.yaml").scenes
     waves = [scene for scene in scenes if load_solver("wave_line") in [m.solver for m in scene.methods]]
-    assert len(waves) == 10
+    assert len(waves) == 13

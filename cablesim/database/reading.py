@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from cablesim.config.document import is_name
+from cablesim.config.scene import Reference
 from cablesim.config.table import Table
 from cablesim.database.collect import MEASURED
 from cablesim.design import SCENARIO
@@ -54,6 +55,14 @@ def of_method(values: xr.DataArray, method: str) -> xr.DataArray:
 def of_only_method(values: xr.DataArray) -> xr.DataArray:
     """Values without their method, where the scene has but one."""
     return values.isel(method=0, drop=True) if "method" in values.dims else values
+
+
+def reference_values(reference: Reference, dataset: xr.Dataset, output: str) -> xr.DataArray:
+    """What an output is measured against, by scenario."""
+    if reference.table is None:
+        return of_method(dataset[output], str(reference.method))
+    values = reference.table.evaluate(reference.columns[output], quantity(output).unit)
+    return xr.DataArray(values[dataset.row.values], dims="scenario")
 
 
 def magnitude(values: xr.DataArray) -> xr.DataArray:

@@ -11,9 +11,8 @@ import xarray as xr
 from cablesim.config.method import Method
 from cablesim.config.precision_file import WorkPrecision
 from cablesim.config.scene import Scene
-from cablesim.database.reading import magnitude, of_method
+from cablesim.database.reading import magnitude, of_method, reference_values
 from cablesim.numerics import Array
-from cablesim.report.tables import reference_values
 
 # Accuracies that the fastest method is named for, and what they are called.
 TARGETS = {1e-2: "1 %", 1e-4: "1e-4", 1e-6: "1e-6", 1e-9: "1e-9"}

@@ -7,9 +7,17 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.config.scene import Reference, Scene
+from cablesim.config.scene import Scene
 from cablesim.database.collect import RUN_TIME, TIMED
-from cablesim.database.reading import magnitude, of_method, running_numbers, status_words, with_components, written
+from cablesim.database.reading import (
+    magnitude,
+    of_method,
+    reference_values,
+    running_numbers,
+    status_words,
+    with_components,
+    written,
+)
 from cablesim.files import write_text
 from cablesim.quantities import SHORT, quantity
 from cablesim.status import Status
@@ -119,14 +127,6 @@ def write_table(folder: Path, name: str, table: pd.DataFrame, caption: str) -> N
     # Printed values keep their zeros: 0.0200 is not 0.02.
     body = shown.to_markdown(index=False, disable_numparse=True)
     write_text(markdown, f"{caption}\n\n{body}{more}\n")
-
-
-def reference_values(reference: Reference, dataset: xr.Dataset, output: str) -> xr.DataArray:
-    """What an output is measured against, by scenario."""
-    if reference.table is None:
-        return of_method(dataset[output], str(reference.method))
-    values = reference.table.evaluate(reference.columns[output], quantity(output).unit)
-    return xr.DataArray(values[dataset.row.values], dims="scenario")
 
 
 def _errors(values: xr.DataArray, reference: xr.DataArray) -> dict[str, object]:
