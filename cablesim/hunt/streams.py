@@ -101,7 +101,9 @@ def turned(case: Case, found: Results) -> Array:
 def restart(case: Case, found: Results) -> Array:
     """From the answered force over the answered length every method ends where it says that it does."""
     again, ok = _from_force(case, found, case.solver, case.options)
-    return _apart(case, found, again, np.where(ok, Status.ok, -1)) / _allowed_from_force(case, found, ROUNDING)
+    base = INTEGRATED if case.solver in ("stream_line", "pode_line") else 0.0
+    apart = _apart(case, found, again, np.where(ok, Status.ok, -1))
+    return apart / (base + _allowed_from_force(case, found, ROUNDING))
 
 
 # ---- second methods ----
@@ -110,8 +112,9 @@ def restart(case: Case, found: Results) -> Array:
 def midpoint_steps(case: Case, found: Results) -> Array:
     """From node to node by extrapolated midpoint steps of the equations as the book has them."""
     miss = misfits(case.parameters, found.outputs, NODES, **case.options)
-    # Of a piece that is too long to be followed nothing is known.
-    return np.where(np.isfinite(_allowed_from_force(case, found, 1.0)), miss / PIECE, np.nan)
+    # Of a piece that is too long to be followed, or that takes too many steps, nothing is known.
+    followed = np.isfinite(_allowed_from_force(case, found, 1.0)) & np.isfinite(miss)
+    return np.where(followed & ~_at_corner(case, found.outputs["force_A"]), miss / PIECE, np.nan)
 
 
 def integrated_line(case: Case, found: Results) -> Array:
@@ -177,11 +180,11 @@ def _from_force(
 
     The force may be changed by a part of itself.
     """
-    force = found.outputs["force_A"]
-    pulled = np.asarray(force.any(axis=1))
+    force, length = found.outputs["force_A"], found.outputs["line_length"]
+    pulled = np.asarray(force.any(axis=1) & np.isfinite(length))
     given = {n: v for n, v in case.parameters.items() if n not in ("position_B", "depth", "line_length")}
     given["force_A"] = np.where(pulled[:, None], force + norm(force)[:, None] * change, 1.0)
-    given["line_length"] = found.outputs["line_length"]
+    given["line_length"] = np.where(pulled, length, 1.0)
     again = batch.solve(solver, given, options, ANSWERS)
     return again.outputs, pulled & (again.status == Status.ok)
 
@@ -190,15 +193,22 @@ def _apart(case: Case, found: Results, seen: dict[str, Array], status: Array) ->
     """The largest difference, of places relative to the length and of forces to the largest tension.
 
     Infinite where only one of them has a solution; not judged where `status` is negative, nor where there is no
-    tension but the trace with which a line without any pull begins.
+    tension but the trace with which a line without any pull begins, nor where the law of friction has a jump.
     """
     out = found.outputs
     largest, length = out["max_tension"], out["line_length"]
     miss = np.abs(length - seen["line_length"]) / length
     for name, scale in (("position_B", length), ("force_A", largest), ("force_B", largest)):
         miss = np.maximum(miss, norm(out[name] - seen[name]) / scale)
-    judged = (status >= 0) & (largest > TRACE * loads(case.parameters)[0] * length)
+    judged = (status >= 0) & (largest > TRACE * loads(case.parameters)[0] * length) & ~_at_corner(case, out["force_A"])
     return np.where(judged, np.where(status == Status.ok, miss, np.inf), np.nan)
+
+
+def _at_corner(case: Case, force: Array) -> np.ndarray:
+    """Whether a line begins at a right angle to the stream, where constant friction jumps as rounding will have it."""
+    p = case.parameters
+    along = force[:, 0] * np.cos(p["heading"]) + force[:, 1] * np.sin(p["heading"])
+    return (p["friction_law"] == "constant") & (np.abs(along) <= ROUNDING * norm(force))
 
 
 def _kept(case: Case) -> float:
@@ -247,7 +257,9 @@ def _changed(case: Case, rng: np.random.Generator) -> tuple[dict[str, Array], np
         if values.ndim == 1:
             changed[name] = values * (1.0 + change)
         elif case.solver in PLANE:
-            changed[name] = values * [1.0, 1.0, 0.0] + values * np.multiply.outer(1.0 + change, [0.0, 0.0, 1.0])
+            along = [np.cos(case.parameters["heading"]), np.sin(case.parameters["heading"]), np.zeros(case.size)]
+            changed[name] = values + (norm(values) * change * along).T
+            changed[name][:, 2] += CHANGE * norm(values) * rng.normal(size=case.size)
         else:
             changed[name] = values + norm(values)[:, None] * CHANGE * rng.normal(size=values.shape)
     other = case.solve(ANSWERS, **changed)

@@ -23,6 +23,8 @@ COARSE, CLOSE_ENOUGH = 1e-5, 1e-3
 SMALLEST_SLACK = 1e-6
 # The tolerance of a step in units of the accuracy asked for, which many steps have to keep; and the least that helps.
 ACCURACY, SMALLEST_TOLERANCE = 0.1, 1e-13
+# Steps of the integration change from one try to the next, and may leave an end this many tolerances away.
+NOISE = 5.0
 # A catenary with its ends nearer to one load line than this part of its slack has no shape to start from.
 NARROWEST = 1e-3
 # Nearer than this it hangs straight down from its ends, folded where hardly this part of its load is left as tension.
@@ -129,7 +131,7 @@ def _solve(anchor: Anchor, chord: Array, length: Array, loads: StreamLoads, rtol
     coarse = _newton(anchor, chord, length, loads, first, close)
     anchor = _slackest(coarse.x, anchor.at, length, loads, first)
     fine = _newton(anchor, chord, length, loads, rtol, rtol)
-    return Points(fine.x, fine.residual, fine.converged, coarse.iterations + fine.iterations), anchor
+    return Points(fine.x, fine.residual, fine.residual <= NOISE * rtol, coarse.iterations + fine.iterations), anchor
 
 
 def _on_the_way(chord: Array, length: Array) -> tuple[Array, Array]:

@@ -8,7 +8,17 @@ from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
 from cablesim.numerics.dop853 import STAGES
 from cablesim.physics.stream import FULL, PLAIN, StreamLoads
-from cablesim.solvers._stream_step import COVERED, PEAKS, SLACKEST, advance, keep_peaks, sides_at, start, tension
+from cablesim.solvers._stream_step import (
+    COVERED,
+    PEAKS,
+    REACHED,
+    SLACKEST,
+    advance,
+    keep_peaks,
+    sides_at,
+    start,
+    tension,
+)
 
 
 @dataclass(frozen=True)
@@ -65,6 +75,21 @@ def march(
         result.peaks, result.steps, result.slack_length, result.slack_force, result.end,
     )  # fmt: skip
     return result
+
+
+def moved_by_turn(force: Array, turn: float, end: March, loads: StreamLoads, rtol: float, rows: np.ndarray) -> Array:
+    """How far, in lengths of the line, B of some lines moves when the first force is turned aside by a small angle.
+
+    Infinite where the turned line is lost on its way, zero without a length.
+    """
+    force, length = force[rows], end.length[rows]
+    size = np.linalg.norm(force, axis=1)[:, None]
+    with np.errstate(all="ignore"):
+        # To one side and upwards at once: a line may be steady in a plane and not across it.
+        side = np.cross(force, np.where(np.abs(force[:, 2:]) > 0.8 * size, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]))
+        other = march(force + turn * (side + np.cross(side, force) / size), length, loads.take(rows), rtol)
+        moved = np.linalg.norm(other.position - end.position[rows], axis=1) / length
+    return np.where(length > 0.0, np.where(other.end == REACHED, moved, np.inf), 0.0)
 
 
 def trace(force: Array, at: Array, length: Array, loads: StreamLoads, rtol: Array, nodes: int) -> tuple[Array, Array]:

@@ -55,6 +55,8 @@ ESTIMATE, TOLERANCE = 1e-8, 1e-13
 IN_PLANE = 1e-12
 # A tension is worth the rounding of its logarithm, and that of u times how steep it is; it must be this much.
 WORTH = 1e-10
+# A turn of the force at A by TURN, in rad, may move B by MOST_GROWTH times that of the length.
+TURN, MOST_GROWTH = 1e-9, 1e6
 
 
 @dataclass(frozen=True)
@@ -170,10 +172,12 @@ def _from_end(p: Parameters, options: Options) -> Solution:
     line = PodeLine(p.force_A, length, p.loads, options.nodes, plane, start, end, integrals, np.zeros(p.size))
     if p.depth is not None:
         line = replace(line, closing_error=np.abs(line.position_B[:, 2] - p.depth))
-    reached = np.isfinite(end) & (p.depth is None or length <= LONGEST_FOR_DEPTH * p.depth)
-    missed = Status.infeasible if p.depth is not None else Status.out_of_domain
-    inside = _in_plane(p, p.force_A) & np.isfinite(start) & _keeps_digits(plane, start)
-    status = np.where(inside, np.where(reached, Status.ok, missed), Status.out_of_domain).astype(np.int8)
+    reached = np.isfinite(end) & (length > 0.0) & (p.depth is None or length <= LONGEST_FOR_DEPTH * p.depth)
+    inside = _in_plane(p, p.force_A) & (tension > 0.0) & np.isfinite(start) & _keeps_digits(plane, start)
+    status = np.where(inside & reached & _is_told(line), Status.ok, Status.out_of_domain).astype(np.int8)
+    if p.depth is not None:
+        missed = np.flatnonzero(inside & ~reached)
+        status[missed[_never_rises(plane, start, p.depth / unit, missed)]] = Status.infeasible
     return Solution(status, line, np.ones(p.size, dtype=np.int32))
 
 
@@ -224,6 +228,27 @@ def _keeps_digits(plane: Plane, u: Array) -> np.ndarray:
     """Whether the tension at u is sure to `WORTH`: near a singular angle its logarithm is as steep as it is large."""
     rounding = np.finfo(float).eps * (1.0 + np.abs(u))
     return rounding * np.abs(tension_logarithms(u, plane.lines)) <= WORTH
+
+
+def _is_told(line: PodeLine) -> np.ndarray:
+    """Whether the direction at A tells the place of B: behind a slack part its last digits may decide."""
+    plane, unit = line.plane, line.tension_A / line.plane.load
+    turn = TURN / np.sin(angles(line.start, plane.lines) - plane.critical)
+    start = np.where(line.start > 0.0, line.start - turn, line.start + turn)
+    target = line.line_length / unit
+    _, walked = walk(start, plane.direction, plane.lines, LENGTH, np.ones(start.size), target[:, None])
+    # Of the integrals only the ratios are sure.
+    before, after = (
+        sums[:, HORIZONTAL : VERTICAL + 1] / sums[:, LENGTH, None] for sums in (line.integrals, walked[:, 0])
+    )
+    return np.linalg.norm(after - before, axis=1) <= MOST_GROWTH * TURN
+
+
+def _never_rises(plane: Plane, start: Array, depth: Array, rows: np.ndarray) -> np.ndarray:
+    """Whether lines that do not reach a depth really never do, and not only leave the range of u before."""
+    longest = LONGEST_FOR_DEPTH * depth[rows, None]
+    ends, _ = walk(start[rows], plane.direction[rows], plane.lines[rows], LENGTH, np.ones(rows.size), longest)
+    return (plane.mirror[rows] < 0.0) | np.isfinite(ends[:, 0])
 
 
 def _ends_from_inside(plane: Plane, inner: Array, estimate: InnerForce, length: Array) -> Array:

@@ -10,7 +10,8 @@ inextensible; any direction of stream, weight or buoyancy, or still water (the c
 Between two given ends it is solved by damped Newton from the catenary under a uniform load, with continuation in
 reserve. At the default rtol = 1e-12 position and tension agree with 20-digit references to 1e-10 and better. Where a
 line goes through a very slack part, the force at one end does not determine the other end well: an error in its last
-digit grows on the way. The two-point problem does not suffer from that, because it is solved from the slack part.
+digit grows on the way. Where a force known to rtol does not tell the place of B to 1e-6 of the length (or 100 rtol),
+the line is out of domain. The two-point problem does not suffer from that: it is solved from the slack part.
 
 Where not to rely on it: a line much lighter than its drag whose ends lie one behind the other in the stream trails as a
 hairpin, with next to no tension in its bend; there, and for ends nearer than a thousandth of the length, it often gives
@@ -29,8 +30,8 @@ from cablesim.solver import Solution
 from cablesim.solvers._stream_ends import force_between_ends
 from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, Options, SolvedLine
 from cablesim.solvers._stream_line import StreamLine as Parameters
-from cablesim.solvers._stream_march import March, march, trace
-from cablesim.solvers._stream_step import FARTHEST, LOWEST, REACHED, TENSION_PEAK
+from cablesim.solvers._stream_march import March, march, moved_by_turn, trace
+from cablesim.solvers._stream_step import FARTHEST, LOWEST, REACHED, TENSION_PEAK, TOO_MANY_STEPS
 from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
@@ -38,6 +39,13 @@ __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 SECONDS_PER_SCENARIO = 3e-4
 COMPILED = True
 ITERATES = True
+
+# A force at A must tell B: a small turn of it, and more than its accuracy, may be this many times greater at B, so that
+# rtol leaves WORTH of the length or, of a coarse one, a hundred times as much.
+TURN, WORTH, LEAST_GROWTH, FARTHEST_OFF = 1e-9, 1e-6, 100.0, 0.1
+# Through a part with a tension below FAINT of that at A the rounding of the force may grow to more than that; behind
+# one below LOST of it, in a stream, nothing is left of the force but rounding.
+FAINT, LOST, ROUNDING = 1e-8, 1e-13, 1e-15
 
 
 @dataclass(frozen=True)
@@ -112,8 +120,21 @@ def _from_end(p: Parameters, options: Options, onward: March, length: Array, mis
     back, rtol = march(p.pull, at, p.loads, options.rtol), np.full(p.size, options.rtol)
     line = IntegratedLine(p.force_A, length, p.loads, options.nodes, rtol, p.pull, at, onward, back, miss)
     fates = np.array([Status.ok, Status.infeasible, Status.not_converged], dtype=np.int8)
-    status = np.where(p.has_load, fates[onward.end], Status.out_of_domain).astype(np.int8)
+    told = _is_told(p, onward, options.rtol) | (onward.end == TOO_MANY_STEPS)
+    status = np.where(p.has_load & told, fates[onward.end], Status.out_of_domain).astype(np.int8)
     return Solution(status, line, np.ones(p.size, dtype=np.int32))
+
+
+def _is_told(p: Parameters, onward: March, rtol: float) -> np.ndarray:
+    """Whether the force at A, as it is integrated, tells where the line ends."""
+    turn, growth, every = max(TURN, 10.0 * rtol), max(WORTH / rtol, LEAST_GROWTH), np.arange(p.size)
+    moved = moved_by_turn(p.pull, turn, onward, p.loads, max(rtol, TURN), every)
+    told = moved <= min(growth * turn, FARTHEST_OFF)
+    least, first = (np.linalg.norm(force, axis=1) for force in (onward.slack_force, p.pull))
+    told &= (least > LOST * first) | (onward.slack_length == onward.length) | (p.loads.normal_drag == 0.0)
+    faint = np.flatnonzero(told & (least < FAINT * first))
+    told[faint] = moved_by_turn(p.pull, ROUNDING, onward, p.loads, rtol, faint) <= growth * rtol
+    return told
 
 
 def _between_ends(p: Parameters, options: Options) -> Solution:

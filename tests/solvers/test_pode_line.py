@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cablesim.batch import default_outputs, solve
-from cablesim.hunt._stream_check import LOADED_ROPE, norm, random_problems
+from cablesim.hunt._stream_check import LOADED_ROPE, ROPE, norm, random_problems
 from cablesim.numerics import Array
-from cablesim.physics.stream import FRICTION_LAWS
+from cablesim.physics.stream import FRICTION_LAWS, critical_angle
 from cablesim.solver import load_solver
 from cablesim.status import Status
 from tests.helpers import REFERENCE, draw, in_plane, read_table, rows
@@ -288,3 +288,29 @@ def test_a_tension_that_keeps_too_few_digits_is_out_of_domain() -> None:
     line = LOADED_ROPE | {"weight_per_length": 0.0, "line_length": 100.0, "heading": 0.0}
     found = solve("pode_line", line | {"force_A": [[-1e5, 0.0, 1e-3], [-1e5, 0.0, 1.0]]})
     assert found.status.tolist() == [Status.out_of_domain, Status.ok]
+
+
+def test_a_force_near_the_unstable_angle_does_not_tell_where_a_long_line_ends() -> None:
+    """Found by the hunt: both methods were ok and apart. Towards the slack end a turn grows beyond 1e6 times."""
+    drag = 0.5 * LINE["fluid_density"] * LINE["diameter"] * LINE["normal_drag_coefficient"]
+    angle = critical_angle(np.array([LINE["weight_per_length"]]), np.array([drag]))[0] + np.pi + 1e-9
+    line = LINE | {"force_A": [-1e3 * np.cos(angle), 0.0, 1e3 * np.sin(angle)], "line_length": [200.0, 400.0]}
+    for solver in ("stream_line", "pode_line"):
+        assert solve(solver, line).status.tolist() == [Status.ok, Status.out_of_domain]
+
+
+def test_behind_a_part_without_tension_only_the_closed_form_goes_on() -> None:
+    """Towed by its upstream end, all but weightless, the tension of this line falls to next to nothing after 96 m."""
+    line = ROPE | {"weight_per_length": 1e-6, "stream_speed": 1.3, "force_A": [50.0, 0.0, 0.0]}
+    lengths = {"line_length": [90.0, 400.0]}
+    assert solve("stream_line", line | lengths).status.tolist() == [Status.ok, Status.out_of_domain]
+    assert (solve("pode_line", line | lengths).status == Status.ok).all()
+
+
+def test_a_depth_is_out_of_domain_where_the_range_of_angles_ends_before() -> None:
+    """Found by the hunt: these were infeasible, and `stream_line` solved them."""
+    light = {"weight_per_length": 6.142308156371406e-06, "diameter": 0.031029982724101506, "depth": 1.0121380881536621}
+    stream = {"normal_drag_coefficient": 1.2357157629170832, "tangential_drag_coefficient": 0.0, "heading": 0.0}
+    line = light | stream | {"fluid_density": 1.2, "stream_speed": 2.301427582253079}
+    found = solve("pode_line", line | {"force_A": [[-2.0116282640484844e-05, 0.0, 0.0], [0.0, 0.0, 0.0]]})
+    assert (found.status == Status.out_of_domain).all()
