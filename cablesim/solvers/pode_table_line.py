@@ -5,7 +5,8 @@ from both the ratio (eta_B - eta_A) / (sigma_B - sigma_A), which must be that of
 trials around it are interpolated linearly in this ratio, angles and functions alike (reference angle 180 deg). Kept to
 show what the tables were worth: use `pode_line`.
 
-The table itself is exact here. The method knows only a B above A, in a stream, without lay angle.
+The table itself is exact here. The method knows only a B above A, in a stream, without lay angle. Where its ends are
+missed by more than a hundredth of the slack, the table is too coarse to tell the tension (`not_converged`).
 
 Reference: Handbook on ropes and fishing gear (in Chinese), section 3-5, example 4.
 """
@@ -33,6 +34,9 @@ SECONDS_PER_SCENARIO = 2e-3
 COMPILED = True
 # A chord that leans by less than this part of itself does so by rounding alone.
 UPRIGHT = 1e-12
+# The tension follows from the slack: where the ends are missed by more than this part of it, the table is too coarse.
+# What is left has errors of up to 6 % in the tension (1,000 random lines), half of them below 0.1 %.
+TELLING = 0.01
 
 
 @dataclass(frozen=True)
@@ -140,7 +144,8 @@ def solve(p: Parameters, options: Options) -> Solution:
         pages,
     )
     line = replace(line, force_A=line.force_of(first))
-    found = np.where(np.isfinite(unit), Status.ok, Status.not_converged)
+    slack = p.line_length - np.linalg.norm(p.position_B, axis=1)
+    found = np.where(line.closing_error <= TELLING * slack, Status.ok, Status.not_converged)
     status = np.where(
         usable, found, np.where(p.fate_of_ends == Status.infeasible, Status.infeasible, Status.out_of_domain)
     )
