@@ -1,7 +1,8 @@
 """What is kept of a line while it moves: extremes and means over the window, energy, and histories if they are asked.
 
 The window are the last whole periods, which every quantity but the largest strain and the balance of energy is for.
-Between steps a tension at an end or in the middle is a parabola through the ends of this step and the last one.
+Between steps the square of a tension at an end or in the middle is a parabola through the ends of this step and of the
+last: where the force of an end turns about and nearly vanishes, its square is smooth, the tension itself is not.
 """
 
 import numpy as np
@@ -160,11 +161,11 @@ def note_ends(pack, tally, w):
         if time >= window:
             most, least = max(now, tally[(PEAK + c) * LANES + w]), min(now, tally[(LOWEST + c) * LANES + w])
             if before > 0.0 and time - before >= window and (last - earlier) * (now - last) < 0.0:
-                bend = curvature(tally, w, c, now, h)
-                turn = last - ((now - last) / h - bend * h) ** 2 / (4.0 * bend)
-                reach = MOST_REACH * max(abs(now - last), abs(last - earlier))
-                turn = min(max(turn, last - reach), last + reach)
-                most, least = max(most, turn), min(least, max(turn, 0.0))
+                bend, rise = curvature(tally, w, c, now, h), now * now - last * last
+                turn = last * last - (rise / h - bend * h) ** 2 / (4.0 * bend)
+                reach = MOST_REACH * max(abs(rise), abs(last * last - earlier * earlier))
+                turn = np.sqrt(max(min(max(turn, last * last - reach), last * last + reach), 0.0))
+                most, least = max(most, turn), min(least, turn)
             tally[(PEAK + c) * LANES + w], tally[(LOWEST + c) * LANES + w] = most, least
             tally[(SUM + c) * LANES + w] += 0.5 * h * (now + last)
         tally[(EARLIER + c) * LANES + w], tally[(BEFORE + c) * LANES + w] = last, now
@@ -234,12 +235,12 @@ def elastic_pull(line, strain, w):
 
 @compiled
 def curvature(tally, w, c, now, h):
-    """Half the second derivative of the parabola through three values of a tension; 0 in the first step."""
+    """Half the second derivative of the parabola through three squares of a tension; 0 in the first step."""
     before = tally[EARLIER_STEP * LANES + w]
     if before == 0.0:
         return 0.0
     last, earlier = tally[(BEFORE + c) * LANES + w], tally[(EARLIER + c) * LANES + w]
-    return ((now - last) / h - (last - earlier) / before) / (before + h)
+    return ((now * now - last * last) / h - (last * last - earlier * earlier) / before) / (before + h)
 
 
 @compiled
@@ -255,7 +256,8 @@ def note_history(pack, tally, w, records, count):
         for c in range(3):
             bend = share * (share - 1.0) * h * h * curvature(tally, w, c, lane[(ANCHOR_NOW + c) * L + w], h)
             last, now = tally[(BEFORE + c) * L + w], lane[(ANCHOR_NOW + c) * L + w]
-            records.history[scenario, sample, c] = max(last + share * (now - last) + bend, 0.0)
+            square = last * last + share * (now * now - last * last) + bend
+            records.history[scenario, sample, c] = np.sqrt(max(square, 0.0))
         sample += 1
     tally[NEXT_SAMPLE * L + w] = sample
     phase = int(tally[NEXT_PHASE * L + w])
