@@ -114,16 +114,22 @@ def records(case: Case, found: Results) -> Array:
     # as parabolas are between steps.
     largest_range = np.ptp(out["history"].astype(float), axis=1).max(axis=1)
     allowed = (found.outputs["time_change"] + LET_PASS * case.options["rtol"]) * largest(found)
-    return np.max([*miss, over(_beyond(case, out), allowed + BETWEEN * largest_range)], axis=0)
+    beyond = _beyond(case, out, largest(found)[:, None, None])
+    return np.max([*miss, over(beyond, allowed + BETWEEN * largest_range)], axis=0)
 
 
-def _beyond(case: Case, out: dict[str, Array]) -> Array:
-    """By how much histories leave the extremes of their last periods, or fall below nothing."""
+def _beyond(case: Case, out: dict[str, Array], scale: Array) -> Array:
+    """By how much histories leave the extremes of their last periods, or fall below nothing.
+
+    Their squares are told between steps: half the difference of squares over the largest tension, `scale`, which for
+    tensions near that is their difference.
+    """
     time, history = out["history_time"], out["history"].astype(float)
     window = time[:, -1] - RECORDED_PERIODS * case.parameters["wave_period"]
     is_recorded = (time >= window[:, None])[:, :, None]
     most, least = (np.stack([out[f"{kind}_{place}_tension"] for place in PLACES], axis=-1) for kind in ("max", "min"))
-    outside = np.maximum(history - most[:, None], least[:, None] - history)
+    squares = history * history
+    outside = np.maximum(squares - most[:, None] ** 2, least[:, None] ** 2 - squares) / (2.0 * scale)
     return np.maximum(np.where(is_recorded, outside, -history).max(axis=(1, 2)), 0.0)
 
 

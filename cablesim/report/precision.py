@@ -133,7 +133,7 @@ def fastest_table(scene: Scene, dataset: xr.Dataset) -> pd.DataFrame:
                 "accuracy": target,
                 "fastest": best.name if best else NONE,
                 "solver": best.method.solver.name if best else "",
-                "options": _options(best.method) if best else "",
+                "options": changed_options(best.method) if best else "",
                 "largest error": best.largest if best else math.nan,
                 "run_time [s]": best.run_time if best else math.nan,
                 "told by the reference": "yes" if target >= found.least_told else "no",
@@ -152,7 +152,7 @@ def advice(scene: Scene, dataset: xr.Dataset) -> str:
     found, parts = work_and_precision(scene, dataset), []
     for target, words in TARGETS.items():
         best = found.fastest(target)
-        choice = f"use {best.name} ({_seconds(best.run_time)} a scenario)" if best else "there is no method here"
+        choice = f"use {best.name} ({written_seconds(best.run_time)} a scenario)" if best else "there is no method here"
         parts.append(f"for {words} {choice if target >= found.least_told else 'the reference does not tell'}")
     missing = [one.name for one in found.methods if one.solved == 0]
     without = f" Without an answer: {', '.join(missing)}." if missing else ""
@@ -188,7 +188,7 @@ def _row(one: Worth, found: WorkAndPrecision) -> dict[str, object]:
     return {
         "method": one.name,
         "solver": one.method.solver.name,
-        "options": _options(one.method),
+        "options": changed_options(one.method),
         "solved": f"{one.solved} of {one.errors.size}",
         "median error": one.median,
         "largest error": one.largest,
@@ -204,13 +204,14 @@ def _row(one: Worth, found: WorkAndPrecision) -> dict[str, object]:
     }
 
 
-def _options(method: Method) -> str:
+def changed_options(method: Method) -> str:
     """The options in which a method differs from its solver's defaults."""
     defaults = {name: spec.default for name, spec in method.solver.options.items()}
     return ", ".join(f"{name}={value}" for name, value in method.options.items() if value != defaults[name])
 
 
-def _seconds(seconds: float) -> str:
+def written_seconds(seconds: float) -> str:
+    """Three digits in the unit that suits."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
