@@ -87,7 +87,8 @@ def row(one: Worth, on_the_front: bool) -> str:
 
 def main(results: Path) -> None:
     """Write the page anew."""
-    machine = open_scene(results, "precision_hanging").attrs["machine"]
+    machines = [open_scene(results, name).attrs["machine"].split(", ") for name in SECTIONS]
+    machine = ", ".join(dict.fromkeys(part for parts in machines for part in parts))
     above = PAGE.read_text(encoding="utf-8").split("\n## ")[0]
     above = re.sub(
         r"of a machine with .*?\. Errors are", lambda _: f"of a machine with {machine}. Errors are", above, flags=re.S
