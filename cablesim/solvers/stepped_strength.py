@@ -26,7 +26,7 @@ from cablesim.solvers._stepped_march import largest_stresses, stepped_positions,
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 1e-5
+SECONDS_PER_SCENARIO = 1e-4
 COMPILED = True
 ITERATES = True
 
