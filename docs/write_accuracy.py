@@ -16,7 +16,7 @@ from cablesim.report.precision import Worth, advice, changed_options, work_and_p
 
 PAGE = Path(__file__).with_name("accuracy.md")
 SCENES = PAGE.parents[1] / "config" / "scenes"
-# Scene, heading, what its error is of, and the figure that is drawn.
+# Of each scene its heading, and what its error is of.
 SECTIONS = {
     "precision_hanging": (
         "Hanging line",
@@ -42,12 +42,7 @@ SECTIONS = {
         "greatest top tension, with internal damping, against 200 elements",
     ),
 }
-FIGURES = {
-    "precision_hanging": "precision_hanging_diagram",
-    "segment_error": "segment_error_diagram",
-    "precision_wave": "precision_wave_diagram",
-    "precision_snap": "precision_snap_diagram",
-}
+DRAWN = ("precision_hanging", "segment_error", "precision_wave", "precision_snap")
 HEAD = """| method | solver | solved | median error | largest error | a scenario, in a batch | alone | front |
 |---|---|---:|---:|---:|---:|---:|---|"""
 
@@ -62,8 +57,8 @@ def section(results: Path, name: str) -> str:
         f"## {heading}\n\n`{name}`: {what}; {found.methods[0].errors.size} scenarios. The reference is known to "
         f"{found.reference_error:.1e}.\n\n**{advice(scene, dataset)}**\n\n{HEAD}\n{rows}\n"
     )
-    if name in FIGURES:
-        shutil.copyfile(results / "figures" / f"{FIGURES[name]}.png", PAGE.parent / "images" / f"{name}.png")
+    if name in DRAWN:
+        shutil.copyfile(results / "figures" / f"{name}_diagram.png", PAGE.parent / "images" / f"{name}.png")
         text += f"\n![Largest error against run time](images/{name}.png)\n"
     return text
 

@@ -2,20 +2,17 @@
 
 import doctest
 import re
-import shlex
 from pathlib import Path
 
 import pytest
 
-from cablesim.cli import main
 from cablesim.config.scene import read_scene
 from cablesim.steps import run_scene
 from cablesim.study import Layout
+from tests.write_readme import FENCE, README, printed
 
 PROJECT = Path(__file__).parent.parent
-README = PROJECT / "README.md"
 PAGES = (README, *sorted((PROJECT / "docs").glob("*.md")))
-FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
 def blocks(language: str, page: Path = README) -> list[str]:
@@ -28,17 +25,9 @@ def cases() -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize(("command", "output"), cases(), ids=[command[:60] for command, _ in cases()])
-def test_a_command_of_the_readme_prints_what_it_says(command, output, default_study, monkeypatch, capsys):
+def test_a_command_of_the_readme_prints_what_it_says(command, output, default_study, monkeypatch):
     monkeypatch.chdir(default_study)
-    program, *arguments = shlex.split(command)
-    if program == "head":
-        count, path = int(arguments[0].lstrip("-")), Path(arguments[1])
-        found = "".join(path.read_text().splitlines(keepends=True)[:count])
-    else:
-        assert program == "cablesim"
-        main(arguments)
-        found = capsys.readouterr().out
-    assert plain(found) == plain(output)
+    assert plain(printed(command)) == plain(output)
 
 
 def plain(text: str) -> str:

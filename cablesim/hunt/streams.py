@@ -116,9 +116,9 @@ def midpoint_steps(case: Case, found: Results) -> Array:
     missed = np.flatnonzero(miss > PIECE)
     if missed.size:
         miss[missed] = misfits(case.rows(missed).parameters, rows_of(found, missed).outputs, MANY_NODES, **case.options)
-    # Of a piece that is too long to be followed, or that takes too many steps, nothing is known.
+    # Nothing is known of what is too long to be followed or takes too many steps, nor where `_apart` does not judge.
     followed = np.isfinite(_allowed_from_force(case, found, 1.0)) & np.isfinite(miss)
-    return np.where(followed & ~_at_corner(case, found.outputs["force_A"]), miss / PIECE, np.nan)
+    return np.where(followed, miss / PIECE, np.nan)
 
 
 def integrated_line(case: Case, found: Results) -> Array:

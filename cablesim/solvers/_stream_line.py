@@ -31,6 +31,8 @@ OUTPUTS = (
 )
 # A depth that is not reached within this many times its own length of line counts as out of reach.
 LONGEST_FOR_DEPTH = 1e6
+# The force at A is turned by this, in rad, to see whether it tells where the line ends.
+TURN = 1e-9
 # A line without any pull at its end begins with this part of the pull that its own load could give it.
 SLACK_START = 1e-13
 

@@ -38,7 +38,7 @@ from cablesim.solvers._pode_march import (
     walk,
 )
 from cablesim.solvers._stream_ends import InnerForce, force_between_ends
-from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, SolvedLine
+from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, TURN, SolvedLine
 from cablesim.solvers._stream_line import Nodes as Options
 from cablesim.solvers._stream_line import StreamLine as Parameters
 from cablesim.status import Status
@@ -55,8 +55,8 @@ ESTIMATE, TOLERANCE = 1e-8, 1e-13
 IN_PLANE = 1e-12
 # A tension is worth the rounding of its logarithm, and that of u times how steep it is; it must be this much.
 WORTH = 1e-10
-# A turn of the force at A by TURN, in rad, may move B by MOST_GROWTH times that of the length.
-TURN, MOST_GROWTH = 1e-9, 1e6
+# A turn of the force at A by TURN may move B by MOST_GROWTH times that of the length.
+MOST_GROWTH = 1e6
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,9 @@ def _from_end(p: Parameters, options: Options) -> Solution:
         line = replace(line, closing_error=np.abs(line.position_B[:, 2] - p.depth))
     reached = np.isfinite(end) & (length > 0.0) & (p.depth is None or length <= LONGEST_FOR_DEPTH * p.depth)
     inside = _in_plane(p, p.force_A) & (tension > 0.0) & np.isfinite(start) & _keeps_digits(plane, start)
-    status = np.where(inside & reached & _is_told(line), Status.ok, Status.out_of_domain).astype(np.int8)
+    status = np.full(p.size, Status.out_of_domain, dtype=np.int8)
+    met = np.flatnonzero(inside & reached)
+    status[met[_is_told(line, met)]] = Status.ok
     if p.depth is not None:
         missed = np.flatnonzero(inside & ~reached)
         status[missed[_never_rises(plane, start, p.depth / unit, missed)]] = Status.infeasible
@@ -230,16 +232,16 @@ def _keeps_digits(plane: Plane, u: Array) -> np.ndarray:
     return rounding * np.abs(tension_logarithms(u, plane.lines)) <= WORTH
 
 
-def _is_told(line: PodeLine) -> np.ndarray:
-    """Whether the direction at A tells the place of B: behind a slack part its last digits may decide."""
-    plane, unit = line.plane, line.tension_A / line.plane.load
-    turn = TURN / np.sin(angles(line.start, plane.lines) - plane.critical)
-    start = np.where(line.start > 0.0, line.start - turn, line.start + turn)
-    target = line.line_length / unit
-    _, walked = walk(start, plane.direction, plane.lines, LENGTH, np.ones(start.size), target[:, None])
+def _is_told(line: PodeLine, rows: np.ndarray) -> np.ndarray:
+    """Whether the direction at A of some lines tells the place of B: behind a slack part its last digits may decide."""
+    plane, start, lines = line.plane, line.start[rows], line.plane.lines[rows]
+    turn = TURN / np.sin(angles(start, lines) - plane.critical[rows])
+    turned = np.where(start > 0.0, start - turn, start + turn)
+    target = (line.line_length / line.tension_A * plane.load)[rows, None]
+    _, walked = walk(turned, plane.direction[rows], lines, LENGTH, np.ones(rows.size), target)
     # Of the integrals only the ratios are sure.
     before, after = (
-        sums[:, HORIZONTAL : VERTICAL + 1] / sums[:, LENGTH, None] for sums in (line.integrals, walked[:, 0])
+        sums[:, HORIZONTAL : VERTICAL + 1] / sums[:, LENGTH, None] for sums in (line.integrals[rows], walked[:, 0])
     )
     return np.linalg.norm(after - before, axis=1) <= MOST_GROWTH * TURN
 

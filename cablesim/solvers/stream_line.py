@@ -28,7 +28,7 @@ import numpy as np
 from cablesim.numerics import Array
 from cablesim.solver import Solution
 from cablesim.solvers._stream_ends import force_between_ends
-from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, Options, SolvedLine
+from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, TURN, Options, SolvedLine
 from cablesim.solvers._stream_line import StreamLine as Parameters
 from cablesim.solvers._stream_march import March, march, moved_by_turn, trace
 from cablesim.solvers._stream_step import FARTHEST, LOWEST, REACHED, TENSION_PEAK, TOO_MANY_STEPS
@@ -40,9 +40,9 @@ SECONDS_PER_SCENARIO = 3e-4
 COMPILED = True
 ITERATES = True
 
-# A force at A must tell B: a small turn of it, and more than its accuracy, may be this many times greater at B, so that
-# rtol leaves WORTH of the length or, of a coarse one, a hundred times as much.
-TURN, WORTH, LEAST_GROWTH, FARTHEST_OFF = 1e-9, 1e-6, 100.0, 0.1
+# A force at A must tell B: a turn of it, of more than its accuracy, may grow so that rtol leaves WORTH of the length at
+# B or, where that is coarse, LEAST_GROWTH times itself; and B may not move by more than FARTHEST_OFF.
+WORTH, LEAST_GROWTH, FARTHEST_OFF = 1e-6, 100.0, 0.1
 # Through a part with a tension below FAINT of that at A the rounding of the force may grow to more than that; behind
 # one below LOST of it, in a stream, nothing is left of the force but rounding.
 FAINT, LOST, ROUNDING = 1e-8, 1e-13, 1e-15
@@ -120,20 +120,23 @@ def _from_end(p: Parameters, options: Options, onward: March, length: Array, mis
     back, rtol = march(p.pull, at, p.loads, options.rtol), np.full(p.size, options.rtol)
     line = IntegratedLine(p.force_A, length, p.loads, options.nodes, rtol, p.pull, at, onward, back, miss)
     fates = np.array([Status.ok, Status.infeasible, Status.not_converged], dtype=np.int8)
-    told = _is_told(p, onward, options.rtol) | (onward.end == TOO_MANY_STEPS)
+    followed = np.flatnonzero(onward.end != TOO_MANY_STEPS)
+    told = np.ones(p.size, dtype=bool)
+    told[followed] = _is_told(p, onward, options.rtol, followed)
     status = np.where(p.has_load & told, fates[onward.end], Status.out_of_domain).astype(np.int8)
     return Solution(status, line, np.ones(p.size, dtype=np.int32))
 
 
-def _is_told(p: Parameters, onward: March, rtol: float) -> np.ndarray:
-    """Whether the force at A, as it is integrated, tells where the line ends."""
-    turn, growth, every = max(TURN, 10.0 * rtol), max(WORTH / rtol, LEAST_GROWTH), np.arange(p.size)
-    moved = moved_by_turn(p.pull, turn, onward, p.loads, max(rtol, TURN), every)
+def _is_told(p: Parameters, onward: March, rtol: float, rows: np.ndarray) -> np.ndarray:
+    """Whether the force at A of some lines, as it is integrated, tells where they end."""
+    turn, growth = max(TURN, 10.0 * rtol), max(WORTH / rtol, LEAST_GROWTH)
+    moved = moved_by_turn(p.pull, turn, onward, p.loads, max(rtol, TURN), rows)
     told = moved <= min(growth * turn, FARTHEST_OFF)
-    least, first = (np.linalg.norm(force, axis=1) for force in (onward.slack_force, p.pull))
-    told &= (least > LOST * first) | (onward.slack_length == onward.length) | (p.loads.normal_drag == 0.0)
+    least, first = (np.linalg.norm(force[rows], axis=1) for force in (onward.slack_force, p.pull))
+    ends_slack, has_drag = onward.slack_length[rows] == onward.length[rows], p.loads.normal_drag[rows] > 0.0
+    told &= (least > LOST * first) | ends_slack | ~has_drag
     faint = np.flatnonzero(told & (least < FAINT * first))
-    told[faint] = moved_by_turn(p.pull, ROUNDING, onward, p.loads, rtol, faint) <= growth * rtol
+    told[faint] = moved_by_turn(p.pull, ROUNDING, onward, p.loads, rtol, rows[faint]) <= growth * rtol
     return told
 
 
