@@ -73,7 +73,7 @@ class Term:
     """What a name stands for: an array (numpy or xarray) and its unit.
 
     The unit is BARE for a number that fits any dimension, and WORDS for labels; `words` are then the labels that may
-    stand beside it, where they are known.
+    stand beside it, where they are known. Labels are text, or integers that are positions in `words`.
     """
 
     values: Any
@@ -242,7 +242,8 @@ class _Evaluation:
             raise InputError(f"'{self.text}': words can only be compared with == or !=")
         if labels.words and word.values not in labels.words:
             raise InputError(f"'{self.text}': unknown word '{word.values}': {nearest(word.values, labels.words)}")
-        equal = labels.values == word.values
+        wanted = labels.words.index(word.values) if labels.values.dtype.kind == "i" else word.values
+        equal = labels.values == wanted
         return Term(equal if sign == "==" else np.logical_not(equal), BARE)
 
     def _either(self, left: "Tree", right: "Tree") -> Term:

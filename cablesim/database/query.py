@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.reading import select, status_words, with_components
+from cablesim.database.reading import flag_words, select, with_components
 from cablesim.errors import InputError, nearest
 from cablesim.quantities import OWN_DIMS, QUANTITIES, SHORT
 
@@ -81,7 +81,8 @@ def _values(dataset: xr.Dataset, name: str, where: dict[Any, np.ndarray]) -> np.
     values = variable.values[tuple(where[dim] for dim in variable.dims)]
     if variable.ndim == 0:
         values = np.full(len(next(iter(where.values()))), variable.values)
-    return np.array(status_words(dataset))[values] if name == "status" else values
+    words = flag_words(variable)
+    return np.array(words)[values] if words else values
 
 
 def _as_table(table: pd.DataFrame) -> bytes:

@@ -109,9 +109,14 @@ def written(value: xr.DataArray, digits: int = 6) -> str:
     return item if isinstance(item, str) else f"{item:.{digits}g}"
 
 
+def flag_words(values: xr.DataArray) -> tuple[str, ...]:
+    """The words that a variable of flags stands for, by its numbers; none for any other variable."""
+    return tuple(values.attrs.get("flag_meanings", "").split())
+
+
 def status_words(dataset: xr.Dataset) -> tuple[str, ...]:
     """The words that the dataset's own status numbers stand for."""
-    return tuple(dataset.status.attrs["flag_meanings"].split())
+    return flag_words(dataset.status)
 
 
 def scene_lookup(dataset: xr.Dataset, table: Table | None = None) -> Lookup:
@@ -120,17 +125,16 @@ def scene_lookup(dataset: xr.Dataset, table: Table | None = None) -> Lookup:
     `sag` is the output (over all methods), `exact.sag` that of one method, `length_ratio` a coordinate, `status` and
     `method` words, and `table.sag_m` a column of the scene's table, row by row.
     """
-    words = status_words(dataset)
 
     def lookup(name: str) -> Term | None:
         head, _, tail = name.rpartition(".")
         if head == "table" and table is not None:
             return Term(xr.DataArray(table.numbers(tail)[dataset.row.values], dims="scenario"), BARE)
         if head:
-            return _of_method(dataset, head, tail, words)
+            return _of_method(dataset, head, tail)
         if name not in dataset.variables:
             return None
-        return _term(dataset[name], words)
+        return _term(dataset[name])
 
     return lookup
 
@@ -157,15 +161,15 @@ def _explained(
         raise InputError(f"unknown name '{unknown.name}': {nearest(unknown.name, names)}") from None
 
 
-def _of_method(dataset: xr.Dataset, method: str, name: str, words: tuple[str, ...]) -> Term | None:
+def _of_method(dataset: xr.Dataset, method: str, name: str) -> Term | None:
     if method not in dataset.method.values or name not in dataset.variables or "method" not in dataset[name].dims:
         return None
-    return _term(of_method(dataset[name], method), words)
+    return _term(of_method(dataset[name], method))
 
 
-def _term(values: xr.DataArray, words: tuple[str, ...]) -> Term:
-    if values.name == "status":
-        return Term(xr.DataArray(np.array(words)[values], dims=values.dims, coords=values.coords), WORDS, words)
+def _term(values: xr.DataArray) -> Term:
+    if flag_words(values):
+        return Term(values, WORDS, flag_words(values))
     if values.dtype.kind in "SUOT":
         known = values.attrs["words"].split() if "words" in values.attrs else np.unique(values)
         return Term(values, WORDS, tuple(str(word) for word in known))
