@@ -9,7 +9,10 @@ from pathlib import Path
 
 from cablesim.workflow import plan_study
 
-study = plan_study((workflow.configfiles or [Path("config/config.yaml")])[-1])
+study = plan_study(
+    (workflow.configfiles or [Path("config/config.yaml")])[-1],
+    checking=workflow.is_main_process,
+)
 
 
 wildcard_constraints:
@@ -20,6 +23,7 @@ wildcard_constraints:
 rule all:
     default_target: True
     input:
+        [scene.solved for scene in study.scenes],
         [
             scene.stamp(step)
             for scene in study.scenes

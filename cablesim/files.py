@@ -2,9 +2,12 @@
 
 import hashlib
 import json
+import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 
 from cablesim.errors import EnvironmentFault
@@ -46,26 +49,55 @@ def ledger(path: Path) -> Path:
     return path.with_suffix(LEDGER_SUFFIX)
 
 
-def enter_in_ledger(path: Path, seconds: float) -> None:
-    """Record the digest of a finished file, and what it took: measured times stay out of the file itself."""
-    write_text(ledger(path), json.dumps({"sha256": digest_of(path), "seconds": seconds}) + "\n")
+def enter_in_ledger(path: Path, seconds: float = 0.0) -> None:
+    """Record the name and digest of a finished file, and what it took: measured times stay out of the file itself."""
+    entry = {"file": path.name, "sha256": digest_of(path), "seconds": seconds}
+    write_text(ledger(path), json.dumps(entry) + "\n")
 
 
-def check_against_ledger(path: Path) -> float:
-    """The seconds a file took. Raises EnvironmentFault if it is missing, unfinished or not what was written."""
+class Condition(StrEnum):
+    """What a file is worth, by its ledger; only a `whole` one is read."""
+
+    whole = "what was written"
+    missing = "missing"
+    unfinished = "never finished (it has no ledger)"
+    damaged = "damaged (its digest does not match)"
+    foreign = "foreign (its ledger is that of another file)"
+
+
+@dataclass(frozen=True)
+class Checked:
+    """The condition of a file, and the seconds that it took to make where it is whole."""
+
+    condition: Condition
+    seconds: float = math.nan
+
+    @property
+    def whole(self) -> bool:
+        return self.condition is Condition.whole
+
+
+def check(path: Path) -> Checked:
+    """Compare a file with its ledger, to the last bit."""
     if not path.is_file():
-        raise EnvironmentFault(f"{path}: missing; run the study again to compute it")
+        return Checked(Condition.missing)
     if not ledger(path).is_file():
-        raise EnvironmentFault(f"{path}: never finished (no {ledger(path).name}); run the study again to compute it")
+        return Checked(Condition.unfinished)
     try:
         entry = json.loads(ledger(path).read_text(encoding="utf-8"))
-        if entry["sha256"] == digest_of(path):
-            return float(entry["seconds"])
+        if entry["sha256"] != digest_of(path):
+            return Checked(Condition.damaged)
+        if entry["file"] != path.name:
+            return Checked(Condition.foreign)
+        return Checked(Condition.whole, float(entry["seconds"]))
     except (ValueError, KeyError, TypeError):
-        pass
-    path.unlink()
-    ledger(path).unlink()
-    raise EnvironmentFault(f"{path}: was damaged (its digest does not match) and is removed; run the study again")
+        return Checked(Condition.damaged)
+
+
+def discard(path: Path) -> None:
+    """Remove a file and what vouches for it; without the ledger first, nobody takes the rest for whole."""
+    ledger(path).unlink(missing_ok=True)
+    path.unlink(missing_ok=True)
 
 
 def digest_of(path: Path) -> str:

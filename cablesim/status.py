@@ -11,6 +11,7 @@ class Status(IntEnum):
     not_converged = 2
     out_of_domain = 3
     unavailable = 4
+    not_run = 5
 
     @property
     def sentence(self) -> str:
@@ -23,4 +24,5 @@ SENTENCES = {
     Status.not_converged: "the method ran out of steps before it reached its accuracy",
     Status.out_of_domain: "outside the range in which the method can represent an answer",
     Status.unavailable: "the package that this method calls is not installed (pip install cablesim[peers])",
+    Status.not_run: "not computed yet, or its file was lost: run the study again",
 }

@@ -5,14 +5,15 @@ its own, which is to have one thread from its start.
 """
 
 import hashlib
+import math
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 from cablesim.config.scene import Scene
-from cablesim.errors import InputError
-from cablesim.files import ledger, write_text
+from cablesim.errors import EnvironmentFault, InputError
+from cablesim.files import Checked, check, write_text
 from cablesim.plan import ScenePlan, plan_digest, plan_scene, read_plan
 from cablesim.sources import code_digest
 from cablesim.study import Layout
@@ -25,20 +26,26 @@ def sample(scene: Scene, layout: Layout) -> ScenePlan:
     return plan_scene(scene, layout.plans)
 
 
-def solve(plan_path: Path, shards: tuple[str, ...], folder: Path, stamp: Path | None = None) -> None:
-    """Compute shards of a plan; those that are in the folder already are kept. The stamp says that all are there."""
+def solve(plan_path: Path, shards: tuple[str, ...], folder: Path, stamp: Path | None = None) -> int:
+    """Compute shards of a plan; those that are in the folder, whole, are kept. The stamp says that all are there.
+
+    Returns how many scenarios were computed.
+    """
     from cablesim.database.shard_file import solve_recipe, write_shard
 
     recipes = read_plan(plan_path).recipes
     for shard in shards:
         if shard not in recipes:
             raise InputError(f"{plan_path}: no shard '{shard}' in this plan")
+    computed = 0
     for shard in shards:
         out = folder / f"{shard}.nc"
-        if not (out.exists() and ledger(out).exists()):
+        if not check(out).whole:
             write_shard(out, recipes[shard], solve_recipe(recipes[shard]))
+            computed += math.prod(recipes[shard].shape)
     if stamp is not None:
         write_text(stamp, "")
+    return computed
 
 
 def measure(scene: Scene, layout: Layout, import_seconds: float) -> None:
@@ -60,14 +67,30 @@ def timings_path(scene: Scene, layout: Layout) -> Path | None:
 
 
 def collect(scene: Scene, layout: Layout) -> None:
-    """Join the shards of a scene into its dataset."""
-    from cablesim.database.collect import collect, write_dataset
+    """Join the shards of a scene into its dataset.
+
+    Raises EnvironmentFault, when the dataset is written, where shards are missing or damaged: one more run mends them.
+    """
+    faults = _collect(scene, layout, whole=True)
+    if faults:
+        path, checked = next(iter(faults.items()))
+        more = f" (and {len(faults) - 1} more shards)" if len(faults) > 1 else ""
+        raise EnvironmentFault(f"{path}: {checked.condition.value}{more}; run the study again to compute what is lost")
+
+
+def collect_partly(scene: Scene, layout: Layout) -> dict[Path, Checked]:
+    """Join the shards that are there into the dataset of a scene; returns the others, whose scenarios are `not_run`."""
+    return _collect(scene, layout, whole=False)
+
+
+def _collect(scene: Scene, layout: Layout, whole: bool) -> dict[Path, Checked]:
+    from cablesim.database.collect import collect
     from cablesim.database.timing import read_timings
 
     measured_at = timings_path(scene, layout)
-    timings = read_timings(measured_at) if measured_at else None
-    dataset, measured = collect(scene, sample(scene, layout), layout.shards(scene.name), revision(), timings)
-    write_dataset(layout.dataset(scene.name), dataset, measured)
+    timings = read_timings(measured_at) if measured_at and (whole or measured_at.exists()) else None
+    plan = sample(scene, layout)
+    return collect(layout.dataset(scene.name), scene, plan, layout.shards(scene.name), revision(), timings)
 
 
 def summarise(scene: Scene, layout: Layout) -> None:
@@ -117,13 +140,14 @@ SCENE_STEPS: dict[str, Callable[[Scene, Layout], None]] = {
 }
 
 
-def run_scene(scene: Scene, layout: Layout, progress: Progress) -> ScenePlan:
-    """All steps of one scene; shards that are there already are kept."""
+def run_scene(scene: Scene, layout: Layout, progress: Progress) -> tuple[ScenePlan, int]:
+    """All steps of one scene; returns its plan and how many scenarios were computed, not taken from earlier shards."""
     plan = sample(scene, layout)
     folder = layout.shards(scene.name)
+    computed = 0
     for done, shard in enumerate(plan.recipes):
         progress("solve", done, len(plan.recipes))
-        solve(layout.plan(plan), (shard,), folder)
+        computed += solve(layout.plan(plan), (shard,), folder)
     timings = timings_path(scene, layout)
     if timings and not timings.exists():
         progress("measure", 0, 1)
@@ -132,7 +156,7 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> ScenePlan:
     for done, name in enumerate(SCENE_STEPS):
         progress(name, done, len(SCENE_STEPS))
         run_step(name, scene, layout)
-    return plan
+    return plan, computed
 
 
 def run_step(name: str, scene: Scene, layout: Layout, stamp: Path | None = None) -> None:

@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
-from cablesim.files import ledger
+from cablesim.files import check
 from cablesim.plan import ScenePlan
 from cablesim.sources import code_digest
 from cablesim.steps import sample, timings_path
@@ -96,22 +96,25 @@ class PlannedStudy:
         return next(scene for scene in self.scenes if scene.name == name)
 
 
-def plan_study(config: Path | str) -> PlannedStudy:
-    """Read a study and sample its designs. Raises InputError for anything wrong in its files."""
+def plan_study(config: Path | str, checking: bool = True) -> PlannedStudy:
+    """Read a study and sample its designs; `checking` looks whether every file is still what was written.
+
+    Raises InputError for anything wrong in the files of the study.
+    """
     study = read_study(Path(config))
     layout = Layout(Path("results") / study.name)
     scenes = tuple(PlannedScene(scene, layout, sample(scene, layout)) for scene in study.scenes)
-    for scene in scenes:
+    for scene in scenes if checking else ():
         _forget_lost_files(scene)
     return PlannedStudy(str(layout.root), scenes)
 
 
 def _forget_lost_files(scene: PlannedScene) -> None:
-    """A stamp vouches for files; where they are gone, it goes too, so that they are made again."""
+    """A stamp vouches for files; where they are gone or damaged, it goes too, so that they are made again."""
     layout, name = scene.layout, scene.name
     for bundle, shards in scene.bundles.items():
         paths = [layout.shards(name) / f"{shard}.nc" for shard in shards]
-        if not all(path.is_file() and ledger(path).is_file() for path in paths):
+        if not all(check(path).whole for path in paths):
             scene.bundle_stamp(bundle).unlink(missing_ok=True)
     found = {
         "collect": [layout.dataset(name)],
@@ -119,5 +122,6 @@ def _forget_lost_files(scene: PlannedScene) -> None:
         "figures": [layout.figures / f"{name}_{figure.name}.svg" for figure in scene.scene.figures],
     }
     lost = [step for step, paths in found.items() if not all(path.is_file() for path in paths)]
+    lost += [] if check(layout.dataset(name)).whole else ["collect"]
     for step in found if "collect" in lost else lost:
         Path(scene.stamp(step)).unlink(missing_ok=True)

@@ -8,7 +8,7 @@ import textwrap
 import pytest
 
 from cablesim.errors import EnvironmentFault
-from cablesim.files import check_against_ledger, enter_in_ledger, ledger, written_whole
+from cablesim.files import Condition, check, discard, enter_in_ledger, ledger, written_whole
 
 
 def test_a_file_appears_when_its_writing_ends(tmp_path):
@@ -50,32 +50,48 @@ def test_a_full_disk_is_the_machines_fault_and_names_the_path(tmp_path):
         raise OSError(28, os.strerror(28))
 
 
-@pytest.mark.parametrize("where", [0, 3, -1])
-def test_a_flipped_bit_is_found_and_the_file_removed(tmp_path, where):
+@pytest.fixture
+def shard(tmp_path):
+    """A file that is whole."""
     path = tmp_path / "shard.nc"
     path.write_bytes(b"results")
     enter_in_ledger(path, seconds=1.5)
-    assert check_against_ledger(path) == 1.5
-    data = bytearray(path.read_bytes())
+    assert check(path).whole
+    assert check(path).seconds == 1.5
+    return path
+
+
+@pytest.mark.parametrize("where", [0, 3, -1])
+def test_a_flipped_bit_is_found(shard, where):
+    data = bytearray(shard.read_bytes())
     data[where] ^= 4
-    path.write_bytes(data)
-    with pytest.raises(EnvironmentFault, match="damaged"):
-        check_against_ledger(path)
-    assert not path.exists()
-    assert not ledger(path).exists()
+    shard.write_bytes(data)
+    assert check(shard).condition is Condition.damaged
 
 
-def test_a_file_without_a_ledger_was_never_finished(tmp_path):
-    path = tmp_path / "shard.nc"
-    path.write_bytes(b"results")
-    with pytest.raises(EnvironmentFault, match="never finished"):
-        check_against_ledger(path)
+def test_a_file_without_a_ledger_was_never_finished(shard):
+    ledger(shard).unlink()
+    assert check(shard).condition is Condition.unfinished
 
 
-def test_a_spoilt_ledger_vouches_for_nothing(tmp_path):
-    path = tmp_path / "shard.nc"
-    path.write_bytes(b"results")
-    enter_in_ledger(path, seconds=1.0)
-    ledger(path).write_text("[]")
-    with pytest.raises(EnvironmentFault, match="damaged"):
-        check_against_ledger(path)
+def test_a_file_that_is_gone_is_missing(shard):
+    shard.unlink()
+    assert check(shard).condition is Condition.missing
+
+
+def test_a_file_in_the_place_of_another_is_foreign_although_its_ledger_came_along(shard):
+    other = shard.with_name("other.nc")
+    shard.rename(other)
+    ledger(shard).rename(ledger(other))
+    assert check(other).condition is Condition.foreign
+
+
+@pytest.mark.parametrize("text", ["[]", "", "{}", '{"sha256": 1}', "\x00"])
+def test_a_spoilt_ledger_vouches_for_nothing(shard, text):
+    ledger(shard).write_text(text)
+    assert check(shard).condition is Condition.damaged
+
+
+def test_a_discarded_file_takes_its_ledger_along(shard):
+    discard(shard)
+    assert list(shard.parent.iterdir()) == []

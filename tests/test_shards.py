@@ -161,7 +161,7 @@ def test_a_method_that_ignores_every_axis_is_solved_once_and_stands_all_along_th
         "outputs: [sag, profile]\n"
     )
     layout = Layout(tmp_path / "results")
-    plan = run_scene(read_scene(path), layout, lambda step, done, total: None)
+    plan, _ = run_scene(read_scene(path), layout, lambda step, done, total: None)
     assert sorted(solved(plan).values()) == [1, 3]
     sag = read_dataset(layout.dataset("ignoring")).sag
     rigid, elastic = sag.sel({"method": "rigid"}).values, sag.sel({"method": "elastic"}).values

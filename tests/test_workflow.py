@@ -177,23 +177,55 @@ def test_a_lost_file_is_made_again(study):
     assert (study / "results" / "small" / "spans.nc").exists()
 
 
-def test_damaged_shards_are_named_and_one_more_run_mends_them_all(study):
-    shards = sorted((study / "results" / "small" / "shards" / "spans").glob("*.nc"))
+def damage(path: Path) -> None:
+    """Flip a bit in the middle of a file."""
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+
+
+def test_damaged_missing_and_foreign_shards_are_computed_again_by_the_next_run(study):
+    shards = study / "results" / "small" / "shards"
+    before = digests(shards)
+    spans, limits = sorted((shards / "spans").glob("*.nc")), sorted((shards / "limits").glob("*.nc"))
+    damage(spans[0])
+    for suffix in (".nc", ".json"):
+        shutil.copy(spans[0].with_suffix(suffix), limits[0].with_suffix(suffix))
+    assert jobs(study) == {"solve": 2, "collect_spans": 1, "collect_limits": 1}
+    assert snakemake(study).returncode == 0
+    after = digests(shards)
+    assert {name: after[name] for name in before if name.endswith(".nc")} == {
+        name: before[name] for name in before if name.endswith(".nc")
+    }
+    assert all(after[name] == before[name] for name in before if Path(name).stem not in (spans[0].stem, limits[0].stem))
+    limits[0].unlink()
+    assert jobs(study) == {"solve": 1, "collect_limits": 1}
+
+
+def test_a_shard_that_is_damaged_while_the_study_runs_leaves_its_scenarios_not_run_and_is_named(study):
+    scene, results = study / "config" / "scenes" / "spans.yaml", study / "results" / "small"
+    shards = sorted((results / "shards" / "spans").glob("*.nc"))
     for shard in shards:
-        data = bytearray(shard.read_bytes())
-        data[len(data) // 2] ^= 1
-        shard.write_bytes(data)
-    replace(study / "config" / "scenes" / "spans.yaml", "A small grid", "Another title")
-    failed = snakemake(study)
-    said = failed.stdout + failed.stderr
-    assert failed.returncode != 0
-    assert any(f"{shard.name}: was damaged" in said for shard in shards)
-    assert "(and 1 more shards)" in said
-    assert "collect_spans" in said
-    assert "logs/collect/spans.log" in said
+        damage(shard)
+    command = [sys.executable, "-m", "cablesim", "step", "collect", str(scene), str(results)]
+    failed = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert failed.returncode == 3
+    assert f"{shards[0]}: damaged (its digest does not match) (and 1 more shards)" in failed.stderr
+    with netCDF4.Dataset(results / "spans.nc") as file:
+        words = file["status"].flag_meanings.split()
+        assert (file["status"][...] == words.index("not_run")).all()
+        assert np.isnan(file["sag"][...].filled(np.nan)).all()
     mended = snakemake(study)
     assert mended.returncode == 0, mended.stdout + mended.stderr
-    assert all(shard.exists() for shard in shards)
+
+
+def test_a_damaged_dataset_is_collected_again(study):
+    dataset = study / "results" / "small" / "spans.nc"
+    before = root_group(dataset)
+    damage(dataset)
+    assert jobs(study) == {"collect_spans": 1, "summarise_spans": 1, "figures_spans": 1}
+    assert snakemake(study).returncode == 0
+    assert root_group(dataset) == before
 
 
 def test_a_wrong_scene_stops_the_study_with_the_place_of_the_mistake(study):

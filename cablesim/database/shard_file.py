@@ -1,7 +1,6 @@
 """The netCDF file of one job, written with netCDF4 alone: a solve step that imports no more starts in half the time."""
 
 import json
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +10,15 @@ from cablesim import batch
 from cablesim.batch import Results
 from cablesim.design import expand
 from cablesim.errors import EnvironmentFault
-from cablesim.files import check_against_ledger, enter_in_ledger, written_whole
+from cablesim.files import enter_in_ledger, written_whole
 from cablesim.quantities import quantity
 from cablesim.shards import Recipe
 from cablesim.solver import load_solver
 
 # Values in a chunk: large enough to compress well, small enough to read a part.
 CHUNK = 2**17
-# Not compressed: a shard is read once or twice, and zlib would cost ten times what writing it costs.
-STORAGE = {"fletcher32": True}
+# What every array in a file of ours is stored with: compressed a little, and with a checksum for each chunk.
+STORAGE = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
 
 
 def solve_recipe(recipe: Recipe) -> Results:
@@ -53,29 +52,16 @@ def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
     enter_in_ledger(path, results.seconds)
 
 
-def check_shards(paths: Iterable[Path]) -> dict[Path, float]:
-    """The seconds that each shard took.
-
-    All are checked before EnvironmentFault is raised for the damaged ones, so that one more run mends them all.
-    """
-    seconds, faults = {}, []
-    for path in paths:
-        try:
-            seconds[path] = check_against_ledger(path)
-        except EnvironmentFault as fault:
-            faults.append(str(fault))
-    if faults:
-        raise EnvironmentFault(faults[0] + (f" (and {len(faults) - 1} more shards)" if len(faults) > 1 else ""))
-    return seconds
-
-
 def read_shard(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Variables of a checked shard as arrays in its own axes."""
+    """Variables of a checked shard as arrays in its own axes. Raises EnvironmentFault for one that cannot be read."""
     import netCDF4
 
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_mask(False)
-        return {name: file.variables[name][...] for name in names}
+    try:
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            return {name: file.variables[name][...] for name in names}
+    except (OSError, RuntimeError, KeyError, IndexError) as problem:
+        raise EnvironmentFault(f"{path}: cannot be read ({problem}); run the study again") from None
 
 
 def chunk_sizes(shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -13,14 +13,15 @@ from cablesim.database.reading import evaluate, of_method, status_words
 from cablesim.report.drawing import ascending, cell_edges, formula_label, plain, word
 from cablesim.status import Status
 
-# Of Okabe and Ito's palette, but for what is solved or not installed: told apart by any kind of colour vision, and by
-# lightness alone.
+# Of Okabe and Ito's palette, but for what is solved, not installed or not run: told apart by any kind of colour vision,
+# and by lightness alone.
 COLOURS = {
     Status.ok: "#E8E8E8",
     Status.infeasible: "#56B4E9",
     Status.not_converged: "#D55E00",
     Status.out_of_domain: "#000000",
     Status.unavailable: "#5B2A86",
+    Status.not_run: "#FFFFFF",
 }
 # In inches: of a panel, of a row of one and the least of all, and for labels, title and legend.
 PANEL_WIDTH, PANEL_HEIGHT, ROW, LEAST_WIDTH, LEAST_HEIGHT, AROUND = 2.9, 2.0, 0.3, 7.0, 0.8, 1.7

@@ -8,7 +8,8 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.config.scene import Scene
-from cablesim.database.collect import RUN_TIME, TIMED
+from cablesim.database.collect import TIMED
+from cablesim.database.gather import RUN_TIME
 from cablesim.database.reading import (
     magnitude,
     of_method,

@@ -182,7 +182,7 @@ def test_shards_are_cut_by_what_the_options_cost(tmp_path):
         path.write_text(
             swung(design=many, methods=f"{{one: {{solver: swinging_line, options: {{segments: {segments}}}}}}}")
         )
-        plan = run_scene(read_scene(path), Layout(tmp_path / f"results {segments}"), lambda *_: None)
+        plan, _ = run_scene(read_scene(path), Layout(tmp_path / f"results {segments}"), lambda *_: None)
         sizes[segments] = [recipe.shape for recipe in plan.recipes.values()]
     # Ten seconds of work a shard, of 0.1 s and 1 s a scenario.
     assert sizes == {100: [(100,)], 1000: [(10,)] * 10}
