@@ -15,6 +15,7 @@ import click
 from cablesim.errors import CablesimError, InputError
 
 if TYPE_CHECKING:
+    from cablesim.database.query import Order
     from cablesim.solver import Solver
 
 EXIT_FLAGGED = 1
@@ -133,34 +134,49 @@ def scenes(results: Path) -> None:
 @click.argument("scene")
 @click.argument("condition", required=False)
 @click.option("--columns", metavar="NAME,...", help="Only these columns.")
-@click.option("--format", "form", default="table", help="table, csv, json, parquet or netcdf.")
+@click.option("--nearest", multiple=True, metavar="NAME=VALUE", help="Only the scenarios nearest to this value.")
+@click.option("--order-by", "orders", multiple=True, metavar="FORMULA [desc]", help="Order by this; may be repeated.")
+@click.option("--limit", type=int, metavar="N", help="At most so many scenarios.")
+@click.option("--format", "form", default="table", help="table, csv, json, parquet, excel or netcdf.")
+@click.option("--units/--no-units", default=True, help="With the units of the columns, or bare.")
 @click.option("--output", type=click.Path(path_type=Path), help="Write to this file instead of standard output.")
 def query(
-    results: Path, scene: str, condition: str | None, columns: str | None, form: str, output: Path | None
+    results: Path,
+    scene: str,
+    condition: str | None,
+    columns: str | None,
+    nearest: tuple[str, ...],
+    orders: tuple[str, ...],
+    limit: int | None,
+    form: str,
+    units: bool,
+    output: Path | None,
 ) -> None:
-    """Scenarios of a SCENE for which a CONDITION holds: cablesim query results/default inclined_spans 'sag > 20 m'."""
-    from cablesim.database import query as queries
-    from cablesim.database.reading import open_scene
-    from cablesim.errors import nearest
+    """Scenarios of a SCENE for which a CONDITION holds: cablesim query results/default inclined_spans 'sag > 20 m'.
+
+    Several scenes are asked at once with 'one,other', or with a pattern: 'precision_*' asks those that know the names.
+    """
+    from cablesim.database.answers import BINARY, prepare
+    from cablesim.database.query import Request
+    from cablesim.database.reading import open_scenes
     from cablesim.files import written_whole
 
-    if form not in queries.FORMATS:
-        raise InputError(f"unknown format '{form}': {nearest(form, queries.FORMATS)}")
-    if form in ("parquet", "netcdf") and output is None and sys.stdout.isatty():
+    if form in BINARY and output is None and sys.stdout.isatty():
         raise InputError(f"{form} is not for a terminal: name a file with --output, or redirect standard output")
-    dataset = open_scene(results, scene)
-    if form == "netcdf":
-        rendered = queries.query_netcdf(dataset, condition, _names(columns))
-    else:
-        found = queries.query(dataset, condition, _names(columns))
-        rendered = queries.render(found, form)
+    near = tuple(_pairs(nearest).items())
+    request = Request(condition, _names(columns), near, tuple(_order(text) for text in orders), limit)
+    answer, write = prepare(open_scenes(results, scene), request, form, skipping="*" in scene or "?" in scene)
+    for note in answer.notes:
+        click.echo(f"note: {note}", err=True)
+    if answer.left_out:
+        click.echo(f"note: {len(answer.left_out)} scenes do not know all of these names", err=True)
     if output is None:
-        sys.stdout.buffer.write(rendered)
+        rows = write(sys.stdout.buffer, units)
     else:
-        with written_whole(output) as temporary:
-            temporary.write_bytes(rendered)
+        with written_whole(output) as temporary, temporary.open("wb") as stream:
+            rows = write(stream, units)
     if form == "table":
-        click.echo(f"{len(found)} of {dataset.status.size} scenarios", err=True)
+        click.echo(f"{rows} of {answer.scenarios} scenarios", err=True)
 
 
 @cli.command()
@@ -324,6 +340,14 @@ def _pairs(texts: tuple[str, ...]) -> dict[str, str]:
             raise InputError(f"'{name.strip()}' is given twice")
         pairs[name.strip()] = value.strip()
     return pairs
+
+
+def _order(text: str) -> "Order":
+    """A formula, perhaps with `desc` or `asc` behind it."""
+    from cablesim.database.query import Order
+
+    formula, _, word = text.strip().rpartition(" ")
+    return Order(formula, word == "desc") if formula and word in ("asc", "desc") else Order(text)
 
 
 def _part(text: str) -> tuple[int, int]:

@@ -98,6 +98,25 @@ class Expression:
             dict.fromkeys(str(tree.children[0]) for tree in self.tree.iter_subtrees_topdown() if tree.data == "name")
         )
 
+    @property
+    def conjuncts(self) -> tuple["Expression", ...]:
+        """The conditions that must all hold."""
+        if self.tree.data != "both":
+            return (self,)
+        return tuple(part for side in self.tree.children for part in Expression(self.text, side).conjuncts)
+
+    @property
+    def equality(self) -> "Equality | None":
+        """What it says if it is `name == value`."""
+        if self.tree.data != "comparison" or self.tree.children[1] != "==":
+            return None
+        left, _, right = self.tree.children
+        name, value = (left, right) if left.data == "name" else (right, left)
+        if name.data != "name" or Expression(self.text, value).names:
+            return None
+        unit = _split(value.children[0])[1] if value.data == "value" else ""
+        return Equality(str(name.children[0]), float(Expression(self.text, value).evaluate(lambda _: None)), unit)
+
     def evaluate(self, lookup: Lookup) -> Any:
         """The value for every scenario. Raises InputError for an unknown name, a wrong unit or a misused word."""
         return self.term(lookup).values
@@ -115,6 +134,15 @@ class Expression:
             )
         with np.errstate(all="ignore"):
             return _Evaluation(self, lookup).visit(self.tree).values
+
+
+@dataclass(frozen=True)
+class Equality:
+    """A name, the value in SI that it should have, and the unit that this was written with ("" for none)."""
+
+    name: str
+    value: float
+    unit: str
 
 
 def parse(text: str) -> Expression:

@@ -1,6 +1,7 @@
 """Open what a study has made, and give its names a meaning in formulas and conditions."""
 
 from collections.abc import Callable
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,9 @@ from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse
 from cablesim.quantities import component_names, is_list, is_vector, list_name, quantity
 
+# Of a dataset that is read into memory as a whole.
+MOST_BYTES = 2**27
+
 
 def scene_paths(results: Path) -> dict[str, Path]:
     """The datasets of a results folder by scene. Raises InputError if there is no such folder."""
@@ -25,7 +29,7 @@ def scene_paths(results: Path) -> dict[str, Path]:
 
 
 def open_scene(results: Path, scene: str) -> xr.Dataset:
-    """A scene's dataset in memory, the measured run time beside the rest.
+    """A scene's dataset, the measured run time beside the rest.
 
     Raises InputError, with the nearest names, for an unknown scene; EnvironmentFault for a file that cannot be read.
     """
@@ -35,14 +39,35 @@ def open_scene(results: Path, scene: str) -> xr.Dataset:
     return read_dataset(paths[scene])
 
 
+def open_scenes(results: Path, names: str) -> dict[str, xr.Dataset]:
+    """Datasets by scene: of one, of several separated by commas, or of those that a pattern with `*` and `?` fits.
+
+    Raises InputError, with the nearest names, where there is no such scene.
+    """
+    paths = scene_paths(results)
+    chosen: dict[str, Path] = {}
+    for name in names.split(","):
+        fitting = {scene: path for scene, path in paths.items() if fnmatchcase(scene, name.strip())}
+        if not fitting:
+            raise InputError(f"{results}: no scene '{name.strip()}': {nearest(name, paths)}")
+        chosen |= fitting
+    return {scene: read_dataset(path) for scene, path in chosen.items()}
+
+
 def read_dataset(path: Path) -> xr.Dataset:
-    """A dataset file and its group of measured values as one dataset, with the attributes of both."""
+    """A dataset file and its group of measured values as one dataset, with the attributes of both.
+
+    A small one is in memory; of a large one each variable is read when it is asked for, and not kept.
+    """
     try:
-        with (
-            xr.open_dataset(path, engine="netcdf4") as dataset,
-            xr.open_dataset(path, engine="netcdf4", group=MEASURED) as measured,
-        ):
-            return dataset.load().assign(measured.load().variables).assign_attrs(measured.attrs)
+        dataset, measured = (
+            xr.open_dataset(path, engine="netcdf4", cache=False, group=group) for group in (None, MEASURED)
+        )
+        whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
+        if whole.nbytes > MOST_BYTES:
+            return whole
+        with dataset, measured:
+            return whole.load()
     except (OSError, KeyError, ValueError, RuntimeError) as problem:
         raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
 
@@ -156,9 +181,14 @@ def _explained(
     try:
         return xr.DataArray(answer(expression, scene_lookup(dataset, table)))
     except UnknownName as unknown:
-        methods, outputs = dataset.method.values.tolist(), [str(name) for name in dataset.data_vars]
-        names = [*map(str, dataset.variables), *(f"{m}.{output}" for m in methods for output in outputs)]
-        raise InputError(f"unknown name '{unknown.name}': {nearest(unknown.name, names)}") from None
+        raise name_is_unknown(dataset, unknown.name) from None
+
+
+def name_is_unknown(dataset: xr.Dataset, name: str) -> InputError:
+    """What to say of a name that stands for nothing in a dataset: the nearest ones."""
+    methods, outputs = dataset.method.values.tolist(), [str(output) for output in dataset.data_vars]
+    names = [*map(str, dataset.variables), *(f"{m}.{output}" for m in methods for output in outputs)]
+    return InputError(f"unknown name '{name}': {nearest(name, names)}")
 
 
 def _of_method(dataset: xr.Dataset, method: str, name: str) -> Term | None:

@@ -1,5 +1,6 @@
 """What the tests of the command line share: a small scene, one call of the command, and a picture of a folder."""
 
+import io
 import json
 import signal
 from collections.abc import Iterator
@@ -9,8 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
 
 from cablesim.cli import main
+from cablesim.database.answers import WRITERS
+from cablesim.database.query import Request
+from cablesim.database.query import ask as query_of
 
 GOOD = {
     "title": "Sag of two lines",
@@ -56,6 +61,13 @@ def call(arguments: tuple[str, ...]) -> int:
         pass
     # Out here, because wherever the alarm struck is no place to show.
     pytest.fail(f"no answer within {SECONDS} s")
+
+
+def rendered(dataset: xr.Dataset, form: str, *columns: str) -> bytes:
+    """All scenarios of a dataset in one of the formats of a query."""
+    stream = io.BytesIO()
+    WRITERS[form](query_of({"": dataset}, Request(columns=columns)), stream, True)
+    return stream.getvalue()
 
 
 def tree(folder: Path) -> dict[str, bytes | str]:

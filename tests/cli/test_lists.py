@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from cablesim.config.scene import read_scene
-from cablesim.database.query import query, render
+from cablesim.database.query import query
 from cablesim.database.reading import evaluate, open_scene, select
 from cablesim.errors import InputError
 from cablesim.plan import read_plan
@@ -18,7 +18,7 @@ from cablesim.quantities import MOST_SECTIONS
 from cablesim.report.tables import error_table
 from cablesim.steps import run_scene
 from cablesim.study import Layout
-from tests.cli.helpers import Answer, assert_refused, scene, tree
+from tests.cli.helpers import Answer, assert_refused, rendered, scene, tree
 
 Ask = Callable[..., Answer]
 JOINED = {
@@ -194,16 +194,16 @@ def test_sections_have_names_in_formulas_and_queries(tmp_path):
     assert table[["scenario", "section_length_2", "joint_tension_2"]].to_numpy().tolist() == [[0.0, 50.0, 63000.0]]
     with pytest.raises(InputError, match="unknown name 'section_length_4': did you mean section_length_"):
         select(found, "section_length_4 > 1 m")
-    with pytest.raises(InputError, match="varies along section: a condition must give one answer a scenario"):
+    with pytest.raises(InputError, match="varies along section: one answer a scenario is needed"):
         query(found, "section_length > 1 m")
     with pytest.raises(InputError, match="no column 'joint_tension': did you mean joint_tension_"):
         query(found, None, ("joint_tension",))
 
 
 def test_a_query_shows_a_missing_section_as_nothing(tmp_path):
-    table = query(run(tmp_path, **RAGGED), None, ("section_length_2", "section_weight_3"))
-    assert render(table, "csv").decode() == "section_length_2,section_weight_3\n50.0,\n,\n2.0,9.0\n"
-    found = json.loads(render(table, "json"))
+    dataset, columns = run(tmp_path, **RAGGED), ("section_length_2", "section_weight_3")
+    assert rendered(dataset, "csv", *columns).decode() == f"{','.join(columns)}\nm,N m-1\n50.0,\n,\n2.0,9.0\n"
+    found = json.loads(rendered(dataset, "json", *columns))
     assert found["rows"][1] == {"section_length_2": None, "section_weight_3": None}
     assert found["units"] == {"section_length_2": "m", "section_weight_3": "N m-1"}
 
@@ -221,7 +221,7 @@ def test_a_query_by_a_section_of_a_grid(ask: Ask, tmp_path):
     run(tmp_path)
     asked = ("section_length_2 == 50 m and tension_A == 2 kN", "--columns", "section_length_1,joint_tension_2")
     answer = ask("query", tmp_path / "results", "joined", *asked, "--format", "csv")
-    assert answer.text == "section_length_1,joint_tension_2\n400.0,64000.0\n"
+    assert answer.text == "section_length_1,joint_tension_2\nm,N\n400.0,64000.0\n"
 
 
 def test_value_and_tension_tables_show_sections(tmp_path):

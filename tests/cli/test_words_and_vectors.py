@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from cablesim.config.scene import read_scene
-from cablesim.database.query import query, render
+from cablesim.database.query import query
 from cablesim.database.reading import evaluate, open_scene, select
 from cablesim.errors import InputError
 from cablesim.plan import read_plan
@@ -18,7 +18,7 @@ from cablesim.report.tables import error_table
 from cablesim.solver import load_solver
 from cablesim.steps import run_scene
 from cablesim.study import Layout
-from tests.cli.helpers import Answer, assert_refused, scene, tree
+from tests.cli.helpers import Answer, assert_refused, rendered, scene, tree
 
 Ask = Callable[..., Answer]
 METHODS = "{one: {solver: pulled_line}, two: {solver: pulled_line, options: {factor: 1.1}}}"
@@ -170,7 +170,7 @@ def test_queries_show_words_and_components(tmp_path):
         "force_A_z",
         "force_B_x",
     ]
-    assert json.loads(render(table[["friction_law", "force_B_z"]], "json"))["units"] == {"force_B_z": "N"}
+    assert json.loads(rendered(found, "json", "friction_law", "force_B_z"))["units"] == {"force_B_z": "N"}
     with pytest.raises(InputError, match="no column 'force_B': did you mean force_B_"):
         query(found, None, ("force_B",))
 
