@@ -23,6 +23,7 @@ wildcard_constraints:
 rule all:
     default_target: True
     input:
+        study.catalogue_stamp,
         [scene.solved for scene in study.scenes],
         [
             scene.stamp(step)
@@ -33,3 +34,4 @@ rule all:
 
 include: "workflow/rules/solve.smk"
 include: "workflow/rules/scene.smk"
+include: "workflow/rules/catalogue.smk"

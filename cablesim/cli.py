@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cablesim.errors import CablesimError, InputError
+from cablesim.errors import CablesimError, EnvironmentFault, InputError
 
 if TYPE_CHECKING:
-    from cablesim.database.query import Order
     from cablesim.solver import Solver
 
 EXIT_FLAGGED = 1
@@ -23,6 +22,7 @@ EXIT_MISTAKE = 2
 EXIT_ENVIRONMENT = 3
 EXIT_BUG = 4
 LONGEST_LINE = 800
+MOST_FAULTS = 20
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -104,27 +104,54 @@ def check(scene: Path) -> None:
 def run(scene: Path, out: Path | None) -> int:
     """Run a SCENE without Snakemake; the same files result."""
     from cablesim.config.scene import read_scene
-    from cablesim.database.reading import read_dataset
-    from cablesim.report.tables import status_table
     from cablesim.steps import run_scene
     from cablesim.study import Layout
 
     read = read_scene(scene)
     layout = Layout(out if out is not None else Path("results") / read.name)
-    run_scene(read, layout, _progress)
-    dataset = read_dataset(layout.dataset(read.name))
-    click.echo(f"{layout.dataset(read.name)}: {dataset.status.size} scenarios")
+    plan, computed = run_scene(read, layout, _progress)
+    click.echo(f"{computed} scenarios computed, {plan.scenarios - computed} were there", err=True)
+    return _tell_statuses(layout.dataset(read.name))
+
+
+@cli.command()
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<scene>).")
+def collect(scene: Path, out: Path | None) -> int:
+    """Write the dataset of what is computed so far of a SCENE, while it is running; the rest is `not_run`."""
+    from cablesim.config.scene import read_scene
+    from cablesim.steps import collect_partly
+    from cablesim.study import Layout
+
+    read = read_scene(scene)
+    layout = Layout(out if out is not None else Path("results") / read.name)
+    missing = collect_partly(read, layout)
+    click.echo(f"{len(missing)} shards are not there yet", err=True)
+    return _tell_statuses(layout.dataset(read.name))
+
+
+def _tell_statuses(path: Path) -> int:
+    """Print how many scenarios of a dataset met which fate; the exit code says whether any is flagged."""
+    from cablesim.database.reading import read_dataset
+    from cablesim.report.tables import status_table
+
+    dataset = read_dataset(path)
+    click.echo(f"{path}: {dataset.status.size} scenarios")
     click.echo(status_table(dataset).to_markdown(index=False, floatfmt=".3g"))
     return EXIT_FLAGGED if int((dataset.status != 0).sum()) else 0
 
 
 @cli.command()
 @click.argument("results", type=click.Path(path_type=Path))
-def scenes(results: Path) -> None:
-    """List the scenes in a folder of RESULTS."""
-    from cablesim.database.reading import read_dataset, scene_paths
-    from cablesim.report.describe import scene_line
+@click.argument("scene", required=False)
+def scenes(results: Path, scene: str | None) -> None:
+    """List the scenes in a folder of RESULTS, or what one SCENE holds: parameters, outputs, fates."""
+    from cablesim.database.reading import open_scene, read_dataset, scene_paths
+    from cablesim.report.describe import scene_line, scene_table
 
+    if scene is not None:
+        click.echo(scene_table(scene, open_scene(results, scene)))
+        return
     for name, path in scene_paths(results).items():
         click.echo(scene_line(name, read_dataset(path)))
 
@@ -157,14 +184,14 @@ def query(
     Several scenes are asked at once with 'one,other', or with a pattern: 'precision_*' asks those that know the names.
     """
     from cablesim.database.answers import BINARY, prepare
-    from cablesim.database.query import Request
+    from cablesim.database.query import Order, Request
     from cablesim.database.reading import open_scenes
     from cablesim.files import written_whole
 
     if form in BINARY and output is None and sys.stdout.isatty():
         raise InputError(f"{form} is not for a terminal: name a file with --output, or redirect standard output")
     near = tuple(_pairs(nearest).items())
-    request = Request(condition, _names(columns), near, tuple(_order(text) for text in orders), limit)
+    request = Request(condition, _names(columns), near, tuple(Order.read(text) for text in orders), limit)
     answer, write = prepare(open_scenes(results, scene), request, form, skipping="*" in scene or "?" in scene)
     for note in answer.notes:
         click.echo(f"note: {note}", err=True)
@@ -194,6 +221,57 @@ def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
     click.echo(table.drop(columns="differs").to_markdown(index=False, floatfmt=".3g"))
     click.echo("they differ" if differs else "the same")
     return EXIT_FLAGGED if differs else 0
+
+
+@cli.command()
+@click.argument("results", type=click.Path(path_type=Path))
+@click.option("--sample", default=20, show_default=True, help="Scenarios of each scene to compute once more.")
+@click.option("--seed", default=1, show_default=True)
+@click.option("--tolerance", default=1e-9, show_default=True, help="Relative change up to which they agree.")
+def verify(results: Path, sample: int, seed: int, tolerance: float) -> int:
+    """Check the files of RESULTS against their ledgers, and a random sample of scenarios by computing them once more.
+
+    Exit code 0: all is well, 1: scenarios differ, 3: files are damaged or missing.
+    """
+    from cablesim.report.verified import verified_table
+    from cablesim.study import Layout
+    from cablesim.verify import verify
+
+    if sample < 0 or seed < 0 or not 0.0 <= tolerance < math.inf:
+        raise InputError("--sample, --seed and --tolerance must be >= 0")
+    found = list(verify(Layout(results), sample, seed, tolerance))
+    click.echo(verified_table(found).to_markdown(index=False, disable_numparse=True))
+    faults = [fault for one in found for fault in one.faults]
+    for fault in faults[:MOST_FAULTS]:
+        click.echo(fault, err=True)
+    if faults:
+        more = f" (and {len(faults) - MOST_FAULTS} more)" if len(faults) > MOST_FAULTS else ""
+        raise EnvironmentFault(f"{len(faults)} files are not what was written{more}: run the study again")
+    return EXIT_FLAGGED if any(one.differing for one in found) else 0
+
+
+@cli.command()
+@click.argument("config", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<name>).")
+@click.option("--remove", is_flag=True, help="Remove what is listed.")
+def clean(config: Path, out: Path | None, remove: bool) -> None:
+    """List what the results of CONFIG, a study or a scene, hold of earlier scenes and earlier code, or remove it."""
+    from cablesim import clean as cleaning
+    from cablesim.report.verified import leftover_table
+    from cablesim.study import Layout, read_any
+
+    name, scenes = read_any(config)
+    layout = Layout(out if out is not None else Path("results") / name)
+    found = cleaning.leftovers(scenes, layout)
+    if found:
+        click.echo(leftover_table(found).to_markdown(index=False))
+    others = cleaning.strangers(scenes, layout)
+    if others:
+        click.echo(f"not in {config}, and left alone: {', '.join(others)}", err=True)
+    if remove:
+        cleaning.remove(found)
+    told = "removed" if remove else "may be removed with --remove"
+    click.echo(f"{len(found)} files {told}" if found else "nothing is left over")
 
 
 @cli.command()
@@ -270,6 +348,17 @@ def step_measure(scene: Path, results: Path) -> None:
     steps.measure(read, Layout(results), perf_counter() - start)
 
 
+@step.command("catalogue")
+@click.argument("results", type=click.Path(path_type=Path))
+@click.option("--stamp", type=click.Path(path_type=Path), help="A file to write when the step is done.")
+def step_catalogue(results: Path, stamp: Path | None) -> None:
+    """Write the catalogue of all scenes in RESULTS."""
+    from cablesim import steps
+    from cablesim.study import Layout
+
+    steps.catalogue(Layout(results), stamp)
+
+
 def _scene_step(name: str, help_text: str) -> None:
     """A step that takes a scene file and a results folder, and leaves a stamp when it is done."""
 
@@ -340,14 +429,6 @@ def _pairs(texts: tuple[str, ...]) -> dict[str, str]:
             raise InputError(f"'{name.strip()}' is given twice")
         pairs[name.strip()] = value.strip()
     return pairs
-
-
-def _order(text: str) -> "Order":
-    """A formula, perhaps with `desc` or `asc` behind it."""
-    from cablesim.database.query import Order
-
-    formula, _, word = text.strip().rpartition(" ")
-    return Order(formula, word == "desc") if formula and word in ("asc", "desc") else Order(text)
 
 
 def _part(text: str) -> tuple[int, int]:

@@ -94,6 +94,14 @@ def check(path: Path) -> Checked:
         return Checked(Condition.damaged)
 
 
+def recorded_digest(path: Path) -> str:
+    """The digest in a file's ledger, which is not compared with the file; empty where there is none."""
+    try:
+        return str(json.loads(ledger(path).read_text(encoding="utf-8"))["sha256"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""
+
+
 def discard(path: Path) -> None:
     """Remove a file and what vouches for it; without the ledger first, nobody takes the rest for whole."""
     ledger(path).unlink(missing_ok=True)

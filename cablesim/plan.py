@@ -68,6 +68,15 @@ def plan_digest(scene: Scene) -> str:
 
 def plan_scene(scene: Scene, folder: Path) -> ScenePlan:
     """The plan of a scene, from `folder` if it is there already, made and written there if not."""
+    plan = make_plan(scene, folder)
+    path = plan_path(folder, plan.scene, plan.digest)
+    if not path.exists():
+        _write(path, plan)
+    return plan
+
+
+def make_plan(scene: Scene, folder: Path) -> ScenePlan:
+    """The same, but nothing is written."""
     digest = plan_digest(scene)
     path = plan_path(folder, scene.name, digest)
     if path.exists():
@@ -75,9 +84,7 @@ def plan_scene(scene: Scene, folder: Path) -> ScenePlan:
     known = (
         recipe for other in sorted(folder.glob(f"{scene.name}.*.npz")) for recipe in read_plan(other).recipes.values()
     )
-    plan = ScenePlan(scene.name, digest, plan_methods(scene, known))
-    _write(path, plan)
-    return plan
+    return ScenePlan(scene.name, digest, plan_methods(scene, known))
 
 
 def plan_path(folder: Path, scene: str, digest: str) -> Path:

@@ -80,6 +80,8 @@ def collect(scene: Scene, layout: Layout) -> None:
 
 def collect_partly(scene: Scene, layout: Layout) -> dict[Path, Checked]:
     """Join the shards that are there into the dataset of a scene; returns the others, whose scenarios are `not_run`."""
+    for stamp in layout.stamps(scene.name, "collect"):
+        stamp.unlink(missing_ok=True)
     return _collect(scene, layout, whole=False)
 
 
@@ -133,6 +135,17 @@ def figures(scene: Scene, layout: Layout) -> None:
     draw_figures(scene, read_dataset(layout.dataset(scene.name)), layout.figures)
 
 
+# The step that is of the whole study, and what stands for a scene in the name of its stamp.
+STUDY, CATALOGUE = "study", "catalogue"
+
+
+def catalogue(layout: Layout, stamp: Path | None = None) -> None:
+    """Write the catalogue of all scenes in a folder of results."""
+    from cablesim.database.catalogue import write_catalogue
+
+    _leave(stamp, layout.stamps(STUDY, CATALOGUE), lambda: write_catalogue(layout.root))
+
+
 SCENE_STEPS: dict[str, Callable[[Scene, Layout], None]] = {
     "collect": collect,
     "summarise": summarise,
@@ -156,6 +169,7 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> tuple[ScenePl
     for done, name in enumerate(SCENE_STEPS):
         progress(name, done, len(SCENE_STEPS))
         run_step(name, scene, layout)
+    catalogue(layout)
     return plan, computed
 
 
@@ -164,9 +178,13 @@ def run_step(name: str, scene: Scene, layout: Layout, stamp: Path | None = None)
 
     Stamps of other content go first, because the files that they vouched for are about to be replaced.
     """
-    for old in layout.stamps(scene.name, name):
+    _leave(stamp, layout.stamps(scene.name, name), lambda: SCENE_STEPS[name](scene, layout))
+
+
+def _leave(stamp: Path | None, earlier: list[Path], work: Callable[[], None]) -> None:
+    for old in earlier:
         old.unlink(missing_ok=True)
-    SCENE_STEPS[name](scene, layout)
+    work()
     if stamp is not None:
         write_text(stamp, "")
 

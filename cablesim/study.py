@@ -33,6 +33,10 @@ class Layout:
         return self.root / "timings" / f"{scene}.{digest}.json"
 
     @property
+    def catalogue(self) -> Path:
+        return self.root / "catalogue.parquet"
+
+    @property
     def tables(self) -> Path:
         return self.root / "tables"
 
@@ -79,3 +83,12 @@ def read_study(path: Path) -> Study:
             entry.fail(f"the scene '{name}' is listed twice")
         paths.append(scene)
     return Study(keys["study"].name(), path, tuple(paths))
+
+
+def read_any(path: Path) -> tuple[str, tuple[Scene, ...]]:
+    """The name and the scenes of a study, or of a scene file by itself. Raises InputError as their readers do."""
+    if "study" in read_document(path).mapping(optional=None):
+        study = read_study(path)
+        return study.name, study.scenes
+    scene = read_scene(path)
+    return scene.name, (scene,)

@@ -10,7 +10,7 @@ from cablesim.config.scene import Scene
 from cablesim.files import check
 from cablesim.plan import ScenePlan
 from cablesim.sources import code_digest
-from cablesim.steps import sample, timings_path
+from cablesim.steps import CATALOGUE, STUDY, sample, timings_path
 from cablesim.study import Layout, read_study
 
 # The modules that write the files of a step: editing them, or what they import, makes these files out of date.
@@ -95,6 +95,15 @@ class PlannedStudy:
     def scene(self, name: str) -> PlannedScene:
         return next(scene for scene in self.scenes if scene.name == name)
 
+    @property
+    def catalogue_stamp(self) -> str:
+        """The stamp of the catalogue, named by what was collected."""
+        content = " ".join(
+            [code_digest(("database/catalogue",), STEP_PARTS), *(s.stamp("collect") for s in self.scenes)]
+        )
+        digest = hashlib.sha256(content.encode()).hexdigest()[:16]
+        return str(Layout(Path(self.results)).stamp(STUDY, CATALOGUE, digest))
+
 
 def plan_study(config: Path | str, checking: bool = True) -> PlannedStudy:
     """Read a study and sample its designs; `checking` looks whether every file is still what was written.
@@ -104,9 +113,13 @@ def plan_study(config: Path | str, checking: bool = True) -> PlannedStudy:
     study = read_study(Path(config))
     layout = Layout(Path("results") / study.name)
     scenes = tuple(PlannedScene(scene, layout, sample(scene, layout)) for scene in study.scenes)
-    for scene in scenes if checking else ():
-        _forget_lost_files(scene)
-    return PlannedStudy(str(layout.root), scenes)
+    planned = PlannedStudy(str(layout.root), scenes)
+    if checking:
+        for scene in scenes:
+            _forget_lost_files(scene)
+        if not layout.catalogue.is_file() or not all(Path(scene.stamp("collect")).exists() for scene in scenes):
+            Path(planned.catalogue_stamp).unlink(missing_ok=True)
+    return planned
 
 
 def _forget_lost_files(scene: PlannedScene) -> None:

@@ -98,7 +98,7 @@ def gather(scene: Scene, plan: ScenePlan, part: Part, shards: Shards) -> Arrays:
     positions = plan.methods[part.method].positions
     found = [within for placement in placements if (within := _within(placement, positions, part.rows)) is not None]
     for placement, values in _read(found, _asked(part.names, method), shards):
-        own = {name: _as_wide(name, own, scene.sections) for name, own in values.items()}
+        own = {name: as_wide(name, own, scene.sections) for name, own in values.items()}
         seconds = shards.checked[placement.recipe.digest].seconds / max(1, math.prod(placement.recipe.shape))
         _place(arrays, positions, placement, own, np.float32(seconds))
     return arrays
@@ -164,7 +164,7 @@ def _within(placement: Placement, positions: tuple[int, ...], rows: slice) -> Pl
     return replace(placement, source=tuple(sources), target=tuple(targets))
 
 
-def _as_wide(name: str, values: np.ndarray, sections: int) -> np.ndarray:
+def as_wide(name: str, values: np.ndarray, sections: int) -> np.ndarray:
     """An output over sections with as many as the scene has: a shard has those of its own lines."""
     dims = own_dims(name)
     if dims[:1] != LIST:

@@ -42,6 +42,12 @@ class Order:
     formula: str
     descending: bool = False
 
+    @classmethod
+    def read(cls, text: str) -> "Order":
+        """A formula, perhaps with `desc` or `asc` behind it."""
+        formula, _, word = text.strip().rpartition(" ")
+        return cls(formula, word == "desc") if formula and word in ("asc", "desc") else cls(text)
+
 
 @dataclass(frozen=True)
 class Request:

@@ -25,6 +25,17 @@ def scene_line(name: str, dataset: "xr.Dataset") -> str:
     return f"{name:<20} {dataset.status.size:>9} scenarios ({axes}), {fate}: {dataset.attrs['title']}"
 
 
+def scene_table(name: str, dataset: "xr.Dataset") -> str:
+    """What a scene holds: title and question, then its methods, parameters, outputs and fates."""
+    from cablesim.database.catalogue import describe
+
+    rows = describe(name, dataset)
+    shown = rows[rows["kind"] != "scene"].drop(columns=["scene", "digest"])
+    title = [f"{dataset.attrs['title']} ({dataset.status.size} scenarios)", dataset.attrs.get("comment", "")]
+    body = shown.astype(object).where(shown.notna(), "").to_markdown(index=False, floatfmt=".6g")
+    return "\n".join([*filter(None, title), "", body])
+
+
 def _parameters(solver: Solver) -> list[str]:
     lines = ["Parameters:"]
     for spec in solver.parameters.values():

@@ -1,0 +1,112 @@
+"""What a folder of results holds, as one table: scenes, methods, parameters with their ranges, outputs, fates.
+
+It is kept in one Parquet file. That is a copy of what the datasets say, taken scene by scene from those whose ledger
+still has the digest that was copied from, and from the datasets for all others: it may be deleted at any time.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from cablesim.database.collect import TIMED
+from cablesim.database.gather import RUN_TIME
+from cablesim.database.reading import flag_words, read_dataset, scene_paths, with_components
+from cablesim.files import recorded_digest, written_whole
+from cablesim.status import SENTENCES, Status
+
+FILE = "catalogue.parquet"
+COLUMNS = ("scene", "kind", "name", "unit", "lowest", "highest", "number", "meaning", "digest")
+
+
+def catalogue(results: Path) -> pd.DataFrame:
+    """A row for each scene, and for each method, parameter, output, flag and fate of it.
+
+    `kind` says which it is; `lowest` and `highest` are in the `unit`. `number` counts scenarios (of a scene, method,
+    status or flag), different values (of an axis or a parameter) or values in a scenario (of an output).
+    Raises InputError where there is no such folder.
+    """
+    paths = scene_paths(results)
+    known = _stored(results / FILE)
+    tables = []
+    for scene, path in paths.items():
+        digest = recorded_digest(path)
+        kept = known.get((scene, digest)) if digest else None
+        tables.append(kept if kept is not None else describe(scene, read_dataset(path), digest))
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
+
+
+def write_catalogue(results: Path) -> None:
+    """Write the catalogue of a folder, whole."""
+    with written_whole(results / FILE) as temporary:
+        catalogue(results).to_parquet(temporary, index=False)
+
+
+def describe(scene: str, dataset: xr.Dataset, digest: str = "") -> pd.DataFrame:
+    """The rows of one scene."""
+    rows = [
+        (scene, "scene", scene, "", np.nan, np.nan, dataset.status.size, dataset.attrs["title"]),
+        *(_method(dataset, scene, method) for method in dataset.method.values.tolist()),
+        *(_parameter(dataset, scene, name) for name in _parameters(dataset)),
+        *(_output(dataset, scene, str(name)) for name in dataset.data_vars if not flag_words(dataset[name])),
+        *(row for name in dataset.data_vars if flag_words(dataset[name]) for row in _flags(dataset, scene, str(name))),
+    ]
+    return pd.DataFrame([(*row, digest) for row in rows], columns=list(COLUMNS))
+
+
+def _stored(path: Path) -> dict[Any, pd.DataFrame]:
+    """The stored rows by scene and digest; none where the file is missing or damaged."""
+    try:
+        return dict(iter(pd.read_parquet(path, columns=list(COLUMNS)).groupby(["scene", "digest"])))
+    except (OSError, ValueError, KeyError):
+        return {}
+
+
+def _method(dataset: xr.Dataset, scene: str, method: str) -> tuple[Any, ...]:
+    about = json.loads(dataset.attrs["methods"])[method]
+    options = ", ".join(f"{name}={value}" for name, value in about["options"].items())
+    solved = int((dataset.status.sel({"method": method}) == 0).sum())
+    return scene, "method", method, "", np.nan, np.nan, solved, f"{about['solver']}({options}), solved scenarios"
+
+
+def _parameters(dataset: xr.Dataset) -> list[str]:
+    """Coordinates that tell scenarios apart, or are the same in all; parts of vectors and lists by themselves."""
+    scenario_dims = set(dataset.status.dims)
+    parts = with_components(dataset.drop_vars(dataset.data_vars)).coords
+    return [str(name) for name, values in parts.items() if set(values.dims) <= scenario_dims and name != "method"]
+
+
+def _parameter(dataset: xr.Dataset, scene: str, name: str) -> tuple[Any, ...]:
+    values = with_components(dataset[[]])[name] if name not in dataset.coords else dataset[name]
+    kind = "fixed" if values.ndim == 0 else "axis" if name in dataset.dims else "parameter"
+    meaning = values.attrs.get("long_name", "")
+    known = np.unique(values.values[~pd.isna(values.values)])
+    if values.dtype.kind in "fi":
+        ends = (float(known[0]), float(known[-1])) if known.size else (np.nan, np.nan)
+        return scene, kind, name, values.attrs.get("units", ""), *ends, known.size, meaning
+    return scene, kind, name, "", np.nan, np.nan, known.size, f"{meaning}: {', '.join(map(str, known))}"
+
+
+def _output(dataset: xr.Dataset, scene: str, name: str) -> tuple[Any, ...]:
+    values = dataset[name]
+    own = [dim for dim in values.dims if dim not in dataset.status.dims]
+    lowest, highest = values.attrs.get("actual_range", (np.nan, np.nan))
+    kind = "measured" if name in (RUN_TIME, *TIMED) else "output"
+    number = int(np.prod([values.sizes[dim] for dim in own]))
+    meaning = values.attrs.get("long_name", "") + (f" (over {', '.join(map(str, own))})" if own else "")
+    return scene, kind, name, values.attrs.get("units", ""), float(lowest), float(highest), number, meaning
+
+
+def _flags(dataset: xr.Dataset, scene: str, name: str) -> Iterator[tuple[Any, ...]]:
+    """A row for each word of a flag that any scenario has."""
+    words = flag_words(dataset[name])
+    counts = np.bincount(dataset[name].values.ravel(), minlength=len(words))
+    for word, count in zip(words, counts.tolist(), strict=True):
+        if count:
+            known = name == "status" and word in Status.__members__
+            meaning = SENTENCES[Status[word]] if known else dataset[name].attrs.get("long_name", "")
+            yield scene, name, word, "", np.nan, np.nan, count, meaning
