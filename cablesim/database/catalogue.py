@@ -51,7 +51,7 @@ def describe(scene: str, dataset: xr.Dataset, digest: str = "") -> pd.DataFrame:
     rows = [
         (scene, "scene", scene, "", np.nan, np.nan, dataset.status.size, dataset.attrs["title"]),
         *(_method(dataset, scene, method) for method in dataset.method.values.tolist()),
-        *(_parameter(dataset, scene, name) for name in _parameters(dataset)),
+        *(_parameter(dataset, scene, values) for values in _parameters(dataset)),
         *(_output(dataset, scene, str(name)) for name in dataset.data_vars if not flag_words(dataset[name])),
         *(row for name in dataset.data_vars if flag_words(dataset[name]) for row in _flags(dataset, scene, str(name))),
     ]
@@ -73,15 +73,16 @@ def _method(dataset: xr.Dataset, scene: str, method: str) -> tuple[Any, ...]:
     return scene, "method", method, "", np.nan, np.nan, solved, f"{about['solver']}({options}), solved scenarios"
 
 
-def _parameters(dataset: xr.Dataset) -> list[str]:
+def _parameters(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
     """Coordinates that tell scenarios apart, or are the same in all; parts of vectors and lists by themselves."""
     scenario_dims = set(dataset.status.dims)
-    parts = with_components(dataset.drop_vars(dataset.data_vars)).coords
-    return [str(name) for name, values in parts.items() if set(values.dims) <= scenario_dims and name != "method"]
+    for name, values in with_components(dataset.drop_vars(dataset.data_vars)).coords.items():
+        if set(values.dims) <= scenario_dims and name != "method":
+            yield values
 
 
-def _parameter(dataset: xr.Dataset, scene: str, name: str) -> tuple[Any, ...]:
-    values = with_components(dataset[[]])[name] if name not in dataset.coords else dataset[name]
+def _parameter(dataset: xr.Dataset, scene: str, values: xr.DataArray) -> tuple[Any, ...]:
+    name = str(values.name)
     kind = "fixed" if values.ndim == 0 else "axis" if name in dataset.dims else "parameter"
     meaning = values.attrs.get("long_name", "")
     known = np.unique(values.values[~pd.isna(values.values)])
