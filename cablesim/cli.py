@@ -15,6 +15,7 @@ import click
 from cablesim.errors import CablesimError, EnvironmentFault, InputError
 
 if TYPE_CHECKING:
+    from cablesim.config.scene import Scene
     from cablesim.solver import Solver
 
 EXIT_FLAGGED = 1
@@ -111,7 +112,7 @@ def run(scene: Path, out: Path | None) -> int:
     layout = Layout(out if out is not None else Path("results") / read.name)
     plan, computed = run_scene(read, layout, _progress)
     click.echo(f"{computed} scenarios computed, {plan.scenarios - computed} were there", err=True)
-    return _tell_statuses(layout.dataset(read.name))
+    return _tell_fates(read, layout.dataset(read.name))
 
 
 @cli.command()
@@ -127,17 +128,20 @@ def collect(scene: Path, out: Path | None) -> int:
     layout = Layout(out if out is not None else Path("results") / read.name)
     missing = collect_partly(read, layout)
     click.echo(f"{len(missing)} shards are not there yet", err=True)
-    return _tell_statuses(layout.dataset(read.name))
+    return _tell_fates(read, layout.dataset(read.name))
 
 
-def _tell_statuses(path: Path) -> int:
-    """Print how many scenarios of a dataset met which fate; the exit code says whether any is flagged."""
+def _tell_fates(scene: "Scene", path: Path) -> int:
+    """Print how many scenarios met which fate, and how the checks went; the exit code says whether any is flagged."""
     from cablesim.database.reading import read_dataset
+    from cablesim.report.checks import check_lines
     from cablesim.report.tables import status_table
 
     dataset = read_dataset(path)
     click.echo(f"{path}: {dataset.status.size} scenarios")
     click.echo(status_table(dataset).to_markdown(index=False, floatfmt=".3g"))
+    for line in check_lines(scene, dataset):
+        click.echo(line)
     return EXIT_FLAGGED if int((dataset.status != 0).sum()) else 0
 
 

@@ -2,7 +2,7 @@
 
 A grammar, not Python: names, numbers with units, arithmetic, comparisons, and / or / not, and the functions listed
 below. Nothing else can be said in it, so nothing can be executed by it. Used for query conditions, for columns of
-published tables and for what figures show.
+published tables, for what figures show and for the checks of a scene.
 
 Bare numbers are SI. Numbers with a unit are converted, and dimensions are checked wherever a unit is written.
 `==` holds to one part in 1e9, because an axis value and a typed value may differ in their last digit.
@@ -13,7 +13,7 @@ import operator
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -126,14 +126,23 @@ class Expression:
         with np.errstate(all="ignore"):
             return _Evaluation(self, lookup, checking).number(self.tree)
 
-    def select(self, lookup: Lookup) -> Any:
-        """True where the condition holds. Raises InputError where the expression is a number, not a condition."""
+    def select(self, lookup: Lookup, checking: bool = False) -> Any:
+        """True where the condition holds. Raises InputError where the expression is a number, not a condition.
+
+        Units are checked if the condition writes one, or if `checking` is asked for.
+        """
         if self.tree.data not in CONDITIONS:
             raise InputError(
                 f"'{self.text}' is a value, not a condition: compare it with something (<, <=, ==, !=, >=, >)"
             )
         with np.errstate(all="ignore"):
-            return _Evaluation(self, lookup).visit(self.tree).values
+            return _Evaluation(self, lookup, checking).visit(self.tree).values
+
+    def known(self, lookup: Lookup) -> Any:
+        """True where all numbers that a condition compares are finite, whether or not they decide it."""
+        with np.errstate(all="ignore"):
+            sides = [_Evaluation(self, lookup).visit(side) for side in _compared(self.tree)]
+        return reduce(operator.and_, (np.isfinite(side.values) for side in sides if side.unit != WORDS), np.True_)
 
 
 @dataclass(frozen=True)
@@ -316,6 +325,11 @@ def _parser() -> "Lark":
 
 def _values(tree: "Tree") -> Iterator[Any]:
     return (subtree.children[0] for subtree in tree.iter_subtrees() if subtree.data == "value")
+
+
+def _compared(tree: "Tree") -> Iterator["Tree"]:
+    """The sides of all comparisons in a condition."""
+    return (side for found in tree.iter_subtrees() if found.data == "comparison" for side in found.children[::2])
 
 
 def _split(token: "Token") -> tuple[str, str]:

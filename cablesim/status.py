@@ -1,4 +1,4 @@
-"""The fate of a scenario. Stored as int8 beside every result, with these words as CF flag meanings."""
+"""The fate of a scenario, and what a check says of it. Stored as int8 with these words as CF flag meanings."""
 
 from enum import IntEnum
 
@@ -16,6 +16,14 @@ class Status(IntEnum):
     @property
     def sentence(self) -> str:
         return SENTENCES[self]
+
+
+class Verdict(IntEnum):
+    """What a check says of a scenario: unknown where it was not solved, or a number that counts is not finite."""
+
+    passed = 0
+    failed = 1
+    unknown = 2
 
 
 SENTENCES = {

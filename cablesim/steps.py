@@ -100,6 +100,7 @@ def summarise(scene: Scene, layout: Layout) -> None:
     from cablesim.database.reading import read_dataset
     from cablesim.report import tables
     from cablesim.report.audit import audit_table
+    from cablesim.report.checks import check_table
     from cablesim.report.orders import order_table
     from cablesim.report.precision import fastest_caption, fastest_table, precision_caption, precision_table
     from cablesim.report.printed import write_printed_tables
@@ -117,6 +118,7 @@ def summarise(scene: Scene, layout: Layout) -> None:
             tables.effort_table(dataset),
             f"{scene.title}: effort, and what is left over, of the scenarios that were solved",
         ),
+        "checks": (check_table(scene, dataset), f"{scene.title}: scenarios by what the checks say of them"),
         "orders": (order_table(scene, dataset), f"{scene.title}: measured orders of the methods"),
         "audit": (audit_table(scene, dataset), f"{scene.title}: printed values beside ours"),
         "work_precision": (precision_table(scene, dataset), precision_caption(scene, dataset)),

@@ -20,6 +20,7 @@ STEP_MODULES = {
         "database/collect",
         "report/tables",
         "report/audit",
+        "report/checks",
         "report/orders",
         "report/printed",
         "report/precision",

@@ -15,7 +15,9 @@ from cablesim.errors import nearest
 from cablesim.quantities import QUANTITIES, quantity
 
 # Names of the tables that every scene has.
-TAKEN = ("errors", "tensions", "values", "status", "orders", "audit")
+TAKEN = (
+    "errors", "tensions", "values", "status", "effort", "checks", "orders", "audit", "work_precision", "fastest",
+)  # fmt: skip
 DIGITS = 6
 MOST_DIGITS = 15
 AS_IT_STANDS = re.compile(r"\s*(?:\w+\.)?(\w+)\s*")

@@ -5,7 +5,7 @@ dimensions of a formula can be read off the shape of its value. Nothing is solve
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -16,14 +16,17 @@ from cablesim.errors import InputError, nearest
 from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
 from cablesim.parameters import ParameterSpec
 from cablesim.quantities import LIST, OWN_DIMS, component_names, is_list, list_name, most_sections, quantity
-from cablesim.status import Status
+from cablesim.status import Status, Verdict
 
 METHOD = "method"
 
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """What the names of a scene will stand for."""
+    """What the names of a scene will stand for.
+
+    `values` are numbers that a formula of its own has names for, `checks` the names of checks, whose flags are words.
+    """
 
     design: Design
     fixed: dict[str, float]
@@ -31,14 +34,17 @@ class Rehearsal:
     methods: tuple[str, ...]
     outputs: tuple[str, ...]
     table: Table | None = None
+    values: dict[str, Term] = field(default_factory=dict)
+    checks: tuple[str, ...] = ()
 
     def number(self, formula: str) -> set[str]:
         """The dimensions along which a formula varies. Raises InputError for an unknown name or a wrong unit."""
         return self._varies(self._answered(lambda: parse(formula).evaluate(self.lookup)))
 
     def condition(self, text: str) -> set[str]:
-        """The dimensions along which a condition varies."""
-        return self._varies(self._answered(lambda: parse(text).select(self.lookup)))
+        """The dimensions along which a condition varies. Raises InputError as `number` does."""
+        has_units = any(value.unit != BARE for value in self.values.values())
+        return self._varies(self._answered(lambda: parse(text).select(self.lookup, has_units)))
 
     def lookup(self, name: str) -> Term | None:
         """The stand-in for a name; None where it stands for nothing."""
@@ -46,12 +52,15 @@ class Rehearsal:
         if head == "table" and self.table is not None and tail in self.table.columns:
             return Term(self._along((SCENARIO,)), BARE)
         if head:
-            return self._output(tail, ()) if head in self.methods and tail in self.answers else None
+            return self._of_method(tail) if head in self.methods else None
+        if name in self.values:
+            return self.values[name]
         if name == METHOD:
             return Term(self._words((METHOD,), self.methods), WORDS, self.methods)
         if name == "status":
-            words = tuple(status.name for status in Status)
-            return Term(self._words(self._scenario_dims, words), WORDS, words)
+            return self._flags(self._scenario_dims, tuple(status.name for status in Status))
+        if name in self.checks:
+            return self._flags(self._scenario_dims, tuple(verdict.name for verdict in Verdict))
         if name in self.answers:
             return self._output(name, (METHOD,))
         if name in LIST and self.sections:
@@ -101,11 +110,19 @@ class Rehearsal:
 
     def _parameter(self, name: str, dims: tuple[str, ...]) -> Term:
         words = self.parameters[name].words
-        return Term(self._words(dims, words), WORDS, words) if words else Term(self._along(dims), quantity(name).unit)
+        return self._flags(dims, words) if words else Term(self._along(dims), quantity(name).unit)
+
+    def _of_method(self, name: str) -> Term | None:
+        if name in self.checks:
+            return self._flags(self._scenario_dims[1:], tuple(verdict.name for verdict in Verdict))
+        return self._output(name, ()) if name in self.answers else None
 
     def _output(self, name: str, leading: tuple[str, ...]) -> Term:
         dims = (*leading, *self._scenario_dims[1:], *quantity(name).dims)
         return Term(self._along(dims), quantity(name).unit)
+
+    def _flags(self, dims: tuple[str, ...], words: tuple[str, ...]) -> Term:
+        return Term(self._words(dims, words), WORDS, words)
 
     def _along(self, dims: tuple[str, ...]) -> np.ndarray:
         return np.ones([2 if dim in dims else 1 for dim in self._dims])
@@ -126,5 +143,5 @@ class Rehearsal:
     @property
     def _names(self) -> list[str]:
         varying = [name for axis in self.design.axes for name in (axis.name, *axis.columns, *axis.labels)]
-        qualified = [f"{method}.{answer}" for method in self.methods for answer in self.answers]
-        return [*self.answers, *qualified, *varying, *self.fixed, METHOD, "status"]
+        qualified = [f"{method}.{answer}" for method in self.methods for answer in (*self.answers, *self.checks)]
+        return [*self.answers, *qualified, *varying, *self.fixed, *self.values, *self.checks, METHOD, "status"]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cablesim.config.check_file import Check, read_checks
 from cablesim.config.design_file import Specs, check_values, read_design, read_values
 from cablesim.config.document import Node, is_name, read_document
 from cablesim.config.figure_file import Figure, read_figures
@@ -72,6 +73,7 @@ class Scene:
     methods: tuple[Method, ...]
     reference: Reference | None
     outputs: tuple[str, ...]
+    checks: tuple[Check, ...]
     published: Published | None
     figures: tuple[Figure, ...]
     printed: tuple[PrintedTable, ...]
@@ -103,7 +105,7 @@ def read_scene(path: Path) -> Scene:
         raise InputError(f"{path}: a scene file is named like formula_error.yaml (letters, digits, underscores)")
     root = read_document(path)
     required = ("title", "design", "methods", "outputs")
-    optional = ("question", "fixed", "reference", "published", "figures", "tables", "work_precision")
+    optional = ("question", "fixed", "checks", "reference", "published", "figures", "tables", "work_precision")
     keys = root.mapping(required, optional)
     methods = _read_methods(keys["methods"])
     parameters = _parameters(keys["methods"], methods)
@@ -114,6 +116,8 @@ def read_scene(path: Path) -> Scene:
     _check_lists(keys, methods, design, fixed)
     _check_not_given(keys["outputs"], outputs, design.parameters | set(fixed))
     names = Rehearsal(design, fixed, parameters, tuple(method.name for method in methods), outputs)
+    checks = read_checks(keys["checks"], names, TAKEN) if "checks" in keys else ()
+    names = replace(names, checks=tuple(check.name for check in checks))
     reference = _read_reference(keys["reference"], names) if "reference" in keys else None
     published = _read_published(keys["published"], names) if "published" in keys else None
     precision = _read_precision(keys["work_precision"], names, reference) if "work_precision" in keys else None
@@ -140,6 +144,7 @@ def read_scene(path: Path) -> Scene:
         methods=methods,
         reference=reference,
         outputs=outputs,
+        checks=checks,
         published=published,
         figures=figures,
         printed=printed,

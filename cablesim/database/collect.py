@@ -13,16 +13,19 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
+from cablesim.config.check_file import Check, Monotone
 from cablesim.config.scene import Scene
+from cablesim.database.checks import check_flags, flag_attributes
 from cablesim.database.gather import RUN_TIME, Arrays, Part, Shards, gather, own_dims, own_shape, parts, stored_type
 from cablesim.database.labels import attributes_of, coordinates, provenance
 from cablesim.database.shard_file import STORAGE, chunk_sizes
-from cablesim.database.timing import THREADS, Timing, Timings
+from cablesim.database.timing import MEASURED, THREADS, Timing, Timings
 from cablesim.files import Checked, check, enter_in_ledger, written_whole
 from cablesim.plan import ScenePlan
 from cablesim.quantities import QUANTITIES
 
-MEASURED = "measured"
+# Scenarios of a slab that is checked at once.
+SLAB = 2**20
 # What is measured of every method that is timed: what each is in a `Timing`.
 TIMED: dict[str, Callable[[Timing], float]] = {
     "run_time_lowest": lambda timing: min(timing.runs),
@@ -45,6 +48,7 @@ def collect(
         _write_coordinates(temporary, scene, provenance(scene, plan.digest, revision))
         with netCDF4.Dataset(temporary, "a") as file:
             _write_values(file, scene, plan, shards, timings)
+        _write_checks(temporary, scene)
     enter_in_ledger(path)
     return {shards.path(digest): checked for digest, checked in shards.checked.items() if not checked.whole}
 
@@ -58,7 +62,8 @@ def _write_coordinates(path: Path, scene: Scene, attributes: dict[str, Any]) -> 
 def _write_values(file: Any, scene: Scene, plan: ScenePlan, shards: Shards, timings: Timings | None) -> None:
     counted = ("iterations",) if any(method.solver.iterates for method in scene.methods) else ()
     stored = (*scene.outputs, "status", *counted)
-    _name_coordinates(file, scene, [_create(file, scene, name) for name in stored])
+    flags = [_create(file, scene, one.name, np.dtype(np.int8), flag_attributes(one)) for one in scene.checks]
+    _name_coordinates(file, scene, [*(_create_known(file, scene, name) for name in stored), *flags])
     measured = _create_measured(file, scene, timings)
     ranges: dict[str, list[float]] = {}
     for part in parts(scene, (*stored, RUN_TIME)):
@@ -76,25 +81,55 @@ def _write_values(file: Any, scene: Scene, plan: ScenePlan, shards: Shards, timi
         variable.actual_range = np.array([lowest, highest], dtype=variable.dtype)
 
 
-def _create(file: Any, scene: Scene, name: str) -> Any:
+def _write_checks(path: Path, scene: Scene) -> None:
+    """What the checks say of the values that are in the file, a slab of the design at a time."""
+    if not scene.checks:
+        return
+    with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
+        flags = {one.name: _flags(one, dataset, scene) for one in scene.checks}
+    with netCDF4.Dataset(path, "a") as file:
+        for name, values in flags.items():
+            file.variables[name][...] = values
+
+
+def _flags(one: Check, dataset: xr.Dataset, scene: Scene) -> np.ndarray:
+    """The flags of a check; slabs are along another axis than the one that values are monotone along."""
+    along = one.along if isinstance(one, Monotone) else None
+    axis = next((axis for axis in scene.design.axes if axis.name != along), None)
+    flags = np.empty(dataset.status.shape, dtype=np.int8)
+    if axis is None:
+        return check_flags(one, dataset).values
+    rows = max(1, SLAB * axis.size // max(1, flags.size))
+    position = dataset.status.dims.index(axis.name)
+    for first in range(0, axis.size, rows):
+        slab = slice(first, first + rows)
+        flags[(slice(None),) * position + (slab,)] = check_flags(one, dataset.isel({axis.name: slab})).values
+    return flags
+
+
+def _create_known(file: Any, scene: Scene, name: str) -> Any:
+    """An empty variable for a quantity."""
+    return _create(file, scene, name, stored_type(name), attributes_of(name))
+
+
+def _create(file: Any, scene: Scene, name: str, kind: np.dtype, attributes: dict[str, Any]) -> Any:
     """An empty variable over method, axes and its own dimensions."""
     shape = (len(scene.methods), *scene.design.shape, *own_shape(scene, name))
     dims = ("method", *(axis.name for axis in scene.design.axes), *own_dims(name))
     for dim, size in zip(dims, shape, strict=True):
         if dim not in file.dimensions:
             file.createDimension(dim, size)
-    kind = stored_type(name)
     blank = np.nan if kind.kind == "f" else False
     settings = {**STORAGE, "chunksizes": _chunks(name, shape)}
     variable = file.createVariable(name, kind, dims, fill_value=blank, **settings)
-    variable.setncatts(attributes_of(name))
+    variable.setncatts(attributes)
     return variable
 
 
 def _create_measured(file: Any, scene: Scene, timings: Timings | None) -> Any:
     """The group of what was measured, whole but for the run times of scenarios, which are returned to be filled."""
     group = file.createGroup(MEASURED)
-    run_time = _create(group, scene, RUN_TIME)
+    run_time = _create_known(group, scene, RUN_TIME)
     if timings is not None:
         group.setncatts({"machine": timings.machine, "threads": THREADS, "import_seconds": timings.import_seconds})
         names = [method.name for method in scene.methods]

@@ -11,7 +11,7 @@ import xarray as xr
 from cablesim.config.document import is_name
 from cablesim.config.scene import Reference
 from cablesim.config.table import Table
-from cablesim.database.collect import MEASURED
+from cablesim.database.timing import MEASURED
 from cablesim.design import SCENARIO
 from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse

@@ -30,6 +30,8 @@ SHORTEST = 0.01
 # Scenarios that are solved alone as well, spread over the scene, and the seconds after which these are enough.
 ALONE, ENOUGH = 5, 0.1
 THREADS = 1
+# The group of a dataset that holds what was measured.
+MEASURED = "measured"
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from cablesim.config.scene import Scene
 from cablesim.database.collect import TIMED
 from cablesim.database.gather import RUN_TIME
 from cablesim.database.reading import (
+    flag_words,
     magnitude,
     of_method,
     reference_values,
@@ -63,20 +64,26 @@ def tension_table(dataset: xr.Dataset) -> pd.DataFrame:
         return pd.DataFrame()
     if dataset[names[0]].size > MOST_ROWS:
         return _tension_statistics(dataset, names)
-    return frame(dataset, [*names, "status"])
+    return frame(dataset, [*names, *_flags(dataset)])
 
 
 def value_table(dataset: xr.Dataset) -> pd.DataFrame:
     """Every output that is one number, and the parts of vectors and lists, by scenario; nothing for very many."""
     dataset = with_components(dataset)
     names = _scalars(dataset)
-    return frame(dataset, [*names, "status"]) if names and dataset.status.size <= MOST_ROWS else pd.DataFrame()
+    return frame(dataset, [*names, *_flags(dataset)]) if names and dataset.status.size <= MOST_ROWS else pd.DataFrame()
 
 
 def _scalars(dataset: xr.Dataset) -> list[str]:
     """The outputs that are one number per scenario."""
-    others = {"status", "iterations", RUN_TIME, *TIMED}
+    others = {*_flags(dataset), "iterations", RUN_TIME, *TIMED}
     return [str(n) for n in dataset.data_vars if n not in others and dataset[n].dims == dataset.status.dims]
+
+
+def _flags(dataset: xr.Dataset) -> list[str]:
+    """The status, and after it the checks."""
+    flags = [str(name) for name in dataset.data_vars if flag_words(dataset[name])]
+    return ["status", *(name for name in flags if name != "status")]
 
 
 def status_table(dataset: xr.Dataset) -> pd.DataFrame:
@@ -106,13 +113,14 @@ def effort_table(dataset: xr.Dataset) -> pd.DataFrame:
 
 
 def frame(dataset: xr.Dataset, names: list[str]) -> pd.DataFrame:
-    """A row for each method and scenario: coordinates, then the named variables; status as its word."""
+    """A row for each method and scenario: coordinates, then the named variables; flags as their words."""
     flat = dataset[names].reset_coords(
         [c for c in dataset.coords if c not in dataset.dims and dataset[c].ndim == 0], drop=True
     )
     table = flat.to_dataframe().reset_index()
-    if "status" in table:
-        table["status"] = np.array(status_words(dataset))[table["status"].to_numpy()]
+    for name in names:
+        if flag_words(dataset[name]):
+            table[name] = np.array(flag_words(dataset[name]))[table[name].to_numpy()]
     leading = [c for c in table.columns if c in flat.coords]
     return table[[*leading, *names]]
 
@@ -154,11 +162,16 @@ def _place_of_largest(relative: xr.DataArray) -> str:
     values = relative.values
     if not np.isfinite(values).any():
         return ""
-    where = np.unravel_index(np.nanargmax(np.where(np.isfinite(values), values, -1.0)), values.shape)
-    point = relative.isel(dict(zip(relative.dims, (int(i) for i in where), strict=True)))
-    told = [c for c in point.coords if c not in ("row", "key", "rounding") and relative[c].ndim > 0]
+    return place(relative, int(np.nanargmax(np.where(np.isfinite(values), values, -1.0))))
+
+
+def place(values: xr.DataArray, position: int) -> str:
+    """The coordinates of one value, whose position is that in the flattened array."""
+    where = np.unravel_index(position, values.shape)
+    point = values.isel(dict(zip(values.dims, (int(i) for i in where), strict=True)))
+    told = [c for c in point.coords if c not in ("row", "key", "rounding") and values[c].ndim > 0]
     coords = [c for c in told if point[c].notnull()]
-    named = [c for c in coords if c not in running_numbers(relative)] or coords
+    named = [c for c in coords if c not in running_numbers(values)] or coords
     return ", ".join(f"{name}={written(point[name], digits=12)}" for name in named)
 
 
