@@ -159,7 +159,15 @@ def main() -> None:
                     f"{(b['opening'] + b['asking']) / (a['opening'] + a['asking']):.0f}",
                 ]
             )
-        heads = ["question", "rows", "s", "peak MiB", "CSV: read + ask, s", "CSV: peak MiB", "times faster, from nothing"]
+        heads = [
+            "question",
+            "rows",
+            "s",
+            "peak MiB",
+            "CSV: read + ask, s",
+            "CSV: peak MiB",
+            "times faster, from nothing",
+        ]
         print(markdown(heads, rows))
 
 

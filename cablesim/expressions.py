@@ -126,6 +126,14 @@ class Expression:
         with np.errstate(all="ignore"):
             return _Evaluation(self, lookup, checking).number(self.tree)
 
+    def key(self, lookup: Lookup) -> Term:
+        """What scenarios can be ordered by: a value, a label, or whether a condition holds."""
+        with np.errstate(all="ignore"):
+            term = _Evaluation(self, lookup).visit(self.tree)
+        if isinstance(term.values, str):
+            raise UnknownName(term.values)
+        return term
+
     def select(self, lookup: Lookup, checking: bool = False) -> Any:
         """True where the condition holds. Raises InputError where the expression is a number, not a condition.
 

@@ -108,15 +108,15 @@ def write_excel(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     import openpyxl
 
     book = openpyxl.Workbook(write_only=True)
+    heads = [list(answer.columns), *([[answer.units.get(name, "") for name in answer.columns]] if units else [])]
     sheet = book.create_sheet("scenarios")
-    rows, heads = 0, [list(answer.columns)]
-    if units:
-        heads.append([answer.units.get(name, "") for name in answer.columns])
     for head in heads:
         sheet.append(head)
+    rows = 0
     for piece in answer.pieces:
         rows += len(piece)
         if rows + len(heads) > EXCEL_ROWS:
+            sheet.close()
             raise InputError(f"a sheet has {EXCEL_ROWS} rows: give a limit, or ask for csv or parquet")
         for row in piece.astype(object).where(piece.notna(), None).itertuples(index=False):
             sheet.append([_unescaped(cell) for cell in row])

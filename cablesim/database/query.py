@@ -17,7 +17,7 @@ from cablesim.database.scan import (
     Selection,
     as_values,
     blocks,
-    check_number,
+    check_key,
     holds,
     lookup_at,
     narrow,
@@ -146,7 +146,7 @@ def ask_long(dataset: xr.Dataset, request: Request) -> tuple[Answer, dict[str, x
 def _prepared(name: str, dataset: xr.Dataset, request: Request) -> _Asked:
     columns = tuple(_columns(dataset, request.columns))
     selection = narrow(dataset, request.condition, request.near)
-    orders = tuple((check_number(dataset, order.formula), order.descending) for order in request.order)
+    orders = tuple((check_key(dataset, order.formula), order.descending) for order in request.order)
     return _Asked(name, dataset, selection, columns, orders)
 
 
@@ -190,7 +190,7 @@ def _rows(asked: _Asked, points: Points, found: np.ndarray, sizes: dict[str, int
     lookup = lookup_at(asked.dataset, points)
     for number, (formula, _) in enumerate(asked.orders):
         shape = {dim: own.size for dim, own in points.items()}
-        columns[f"{KEY}{number}"] = spread(as_values(formula.term(lookup)), shape)[found]
+        columns[f"{KEY}{number}"] = spread(as_values(formula.key(lookup)), shape)[found]
     return pd.DataFrame(columns)
 
 

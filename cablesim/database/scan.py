@@ -54,10 +54,10 @@ def narrow(dataset: xr.Dataset, condition: str | None, near: tuple[tuple[str, st
     return _nearest(dataset, near, selection) if near else selection
 
 
-def check_number(dataset: xr.Dataset, formula: str) -> Expression:
-    """A formula with one value a scenario. Raises InputError for any other."""
+def check_key(dataset: xr.Dataset, formula: str) -> Expression:
+    """A formula with one value or label a scenario. Raises InputError for any other."""
     expression = parse(formula)
-    _check(dataset, expression, Expression.term)
+    _check(dataset, expression, Expression.key)
     return expression
 
 
