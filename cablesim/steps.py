@@ -15,6 +15,7 @@ from cablesim.config.scene import Scene
 from cablesim.errors import EnvironmentFault, InputError
 from cablesim.files import Checked, check, write_text
 from cablesim.plan import ScenePlan, plan_digest, plan_scene, read_plan
+from cablesim.shards import Recipe
 from cablesim.sources import code_digest
 from cablesim.study import Layout
 
@@ -31,21 +32,25 @@ def solve(plan_path: Path, shards: tuple[str, ...], folder: Path, stamp: Path | 
 
     Returns how many scenarios were computed.
     """
-    from cablesim.database.shard_file import solve_recipe, write_shard
-
     recipes = read_plan(plan_path).recipes
     for shard in shards:
         if shard not in recipes:
             raise InputError(f"{plan_path}: no shard '{shard}' in this plan")
-    computed = 0
-    for shard in shards:
-        out = folder / f"{shard}.nc"
-        if not check(out).whole:
-            write_shard(out, recipes[shard], solve_recipe(recipes[shard]))
-            computed += math.prod(recipes[shard].shape)
+    computed = sum(_solve(recipes[shard], folder) for shard in shards)
     if stamp is not None:
         write_text(stamp, "")
     return computed
+
+
+def _solve(recipe: Recipe, folder: Path) -> int:
+    """Compute a shard, unless it is there, whole; returns how many scenarios were computed."""
+    from cablesim.database.shard_file import solve_recipe, write_shard
+
+    out = folder / f"{recipe.digest}.nc"
+    if check(out).whole:
+        return 0
+    write_shard(out, recipe, solve_recipe(recipe))
+    return math.prod(recipe.shape)
 
 
 def measure(scene: Scene, layout: Layout, import_seconds: float) -> None:
@@ -160,9 +165,9 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> tuple[ScenePl
     plan = sample(scene, layout)
     folder = layout.shards(scene.name)
     computed = 0
-    for done, shard in enumerate(plan.recipes):
+    for done, recipe in enumerate(plan.recipes.values()):
         progress("solve", done, len(plan.recipes))
-        computed += solve(layout.plan(plan), (shard,), folder)
+        computed += _solve(recipe, folder)
     timings = timings_path(scene, layout)
     if timings and not timings.exists():
         progress("measure", 0, 1)

@@ -1,6 +1,7 @@
 """Three hundred shards, each damaged by one byte: what is read of them is right, or it is not there."""
 
 import random
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -29,12 +30,22 @@ outputs: [sag, max_tension]
 DAMAGED = 300
 
 
-@pytest.fixture
-def many(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Layout:
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A study whose every scenario has a shard of its own."""
-    monkeypatch.setattr(blocks, "MOST_SCENARIOS", 1)
-    (tmp_path / "many.yaml").write_text(SCENE)
-    return run(tmp_path / "many.yaml", tmp_path / "results")
+    folder = tmp_path_factory.mktemp("many")
+    (folder / "many.yaml").write_text(SCENE)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(blocks, "MOST_SCENARIOS", 1)
+        run(folder / "many.yaml", folder / "results")
+    return folder
+
+
+@pytest.fixture
+def many(made: Path, tmp_path: Path) -> Layout:
+    """A copy of it, to be damaged."""
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True)
+    return Layout(tmp_path / "results")
 
 
 def flip(path: Path, where: float, mask: int) -> None:
