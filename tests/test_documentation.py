@@ -1,4 +1,4 @@
-"""The README says what a user will see: its commands are run, its output compared, its scene checked."""
+"""The pages say what a user will see: their commands are run, output is compared, scenes are computed."""
 
 import doctest
 import re
@@ -9,10 +9,7 @@ import pytest
 from cablesim.config.scene import read_scene
 from cablesim.steps import run_scene
 from cablesim.study import Layout
-from tests.write_readme import FENCE, README, printed
-
-PROJECT = Path(__file__).parent.parent
-PAGES = (README, *sorted((PROJECT / "docs").glob("*.md")))
+from tests.write_pages import FENCE, PAGES, README, printed
 
 
 def blocks(language: str, page: Path = README) -> list[str]:
@@ -20,12 +17,13 @@ def blocks(language: str, page: Path = README) -> list[str]:
 
 
 def cases() -> list[tuple[str, str]]:
-    """Each command of the README with the output that follows it."""
-    return [(body.partition("\n")[0].removeprefix("$ "), body.partition("\n")[2]) for body in blocks("console")]
+    """Each command of a page with the output that follows it."""
+    told = [body for page in PAGES for body in blocks("console", page)]
+    return [(body.partition("\n")[0].removeprefix("$ "), body.partition("\n")[2]) for body in told]
 
 
 @pytest.mark.parametrize(("command", "output"), cases(), ids=[command[:60] for command, _ in cases()])
-def test_a_command_of_the_readme_prints_what_it_says(command, output, default_study, monkeypatch):
+def test_a_command_of_a_page_prints_what_it_says(command, output, default_study, monkeypatch):
     monkeypatch.chdir(default_study)
     assert plain(printed(command)) == plain(output)
 
@@ -35,9 +33,10 @@ def plain(text: str) -> str:
     return "\n".join(line.rstrip() for line in text.strip().splitlines())
 
 
-def test_the_python_lines_of_the_readme_print_what_they_say(default_study, monkeypatch):
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks("python", page)], ids=lambda page: page.name)
+def test_the_python_lines_of_a_page_print_what_they_say(page, default_study, monkeypatch):
     monkeypatch.chdir(default_study)
-    examples = doctest.DocTestParser().get_doctest("\n".join(blocks("python")), {}, "README", str(README), 0)
+    examples = doctest.DocTestParser().get_doctest("\n".join(blocks("python", page)), {}, page.name, str(page), 0)
     assert doctest.DocTestRunner().run(examples).failed == 0
 
 

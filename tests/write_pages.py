@@ -1,6 +1,6 @@
-"""What the commands of the README print beside a finished study; as a program, it writes that into the README anew.
+"""What the commands of the pages print beside a finished study; as a program, it writes that into the pages anew.
 
-python -m tests.write_readme FOLDER          # the folder whose results/default `make study` has made
+python -m tests.write_pages FOLDER          # the folder whose results/default `make study` has made
 """
 
 import contextlib
@@ -13,7 +13,9 @@ from pathlib import Path
 
 from cablesim.cli import main
 
-README = Path(__file__).parents[1] / "README.md"
+PROJECT = Path(__file__).parents[1]
+README = PROJECT / "README.md"
+PAGES = (README, *sorted((PROJECT / "docs").glob("*.md")))
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
@@ -31,7 +33,7 @@ def printed(command: str) -> str:
 
 
 def written_anew(block: re.Match[str]) -> str:
-    """A block of the README with the output of its command, without white space at line ends."""
+    """A block of a page with the output of its command, without white space at line ends."""
     if block[1] != "console":
         return block[0]
     first = block[2].partition("\n")[0]
@@ -41,4 +43,5 @@ def written_anew(block: re.Match[str]) -> str:
 
 if __name__ == "__main__":
     os.chdir(sys.argv[1])
-    README.write_text(FENCE.sub(written_anew, README.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in PAGES:
+        page.write_text(FENCE.sub(written_anew, page.read_text(encoding="utf-8")), encoding="utf-8")
