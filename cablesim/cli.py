@@ -116,19 +116,24 @@ def run(scene: Path, out: Path | None) -> int:
 
 
 @cli.command()
-@click.argument("scene", type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<scene>).")
-def collect(scene: Path, out: Path | None) -> int:
-    """Write the dataset of what is computed so far of a SCENE, while it is running; the rest is `not_run`."""
-    from cablesim.config.scene import read_scene
-    from cablesim.steps import collect_partly
-    from cablesim.study import Layout
+@click.argument("config", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<name>).")
+def collect(config: Path, out: Path | None) -> int:
+    """Write datasets of what is computed so far of CONFIG, a study or a scene, while it runs; the rest is `not_run`.
 
-    read = read_scene(scene)
-    layout = Layout(out if out is not None else Path("results") / read.name)
-    missing = collect_partly(read, layout)
-    click.echo(f"{len(missing)} shards are not there yet", err=True)
-    return _tell_fates(read, layout.dataset(read.name))
+    Exit code 0: all is solved, 1: scenarios are flagged, or not run yet.
+    """
+    from cablesim.steps import collect_partly
+    from cablesim.study import Layout, read_any
+
+    name, scenes = read_any(config)
+    layout = Layout(out if out is not None else Path("results") / name)
+    codes = []
+    for scene in scenes:
+        missing = collect_partly(scene, layout)
+        click.echo(f"{scene.name}: {len(missing)} shards are not there yet", err=True)
+        codes.append(_tell_fates(scene, layout.dataset(scene.name)))
+    return max(codes)
 
 
 def _tell_fates(scene: "Scene", path: Path) -> int:

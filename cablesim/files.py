@@ -49,9 +49,12 @@ def ledger(path: Path) -> Path:
     return path.with_suffix(LEDGER_SUFFIX)
 
 
-def enter_in_ledger(path: Path, seconds: float = 0.0) -> None:
-    """Record the name and digest of a finished file, and what it took: measured times stay out of the file itself."""
-    entry = {"file": path.name, "sha256": digest_of(path), "seconds": seconds}
+def enter_in_ledger(path: Path, seconds: float = 0.0, complete: bool = True) -> None:
+    """Record the name and digest of a finished file, and what it took: measured times stay out of the file itself.
+
+    A file that is to be made again when more is known is not `complete`.
+    """
+    entry = {"file": path.name, "sha256": digest_of(path), "seconds": seconds, "complete": complete}
     write_text(ledger(path), json.dumps(entry) + "\n")
 
 
@@ -63,6 +66,7 @@ class Condition(StrEnum):
     unfinished = "never finished (it has no ledger)"
     damaged = "damaged (its digest does not match)"
     foreign = "foreign (its ledger is that of another file)"
+    partial = "made before all of it was computed"
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,8 @@ def check(path: Path) -> Checked:
             return Checked(Condition.damaged)
         if entry["file"] != path.name:
             return Checked(Condition.foreign)
+        if not entry["complete"]:
+            return Checked(Condition.partial)
         return Checked(Condition.whole, float(entry["seconds"]))
     except (ValueError, KeyError, TypeError):
         return Checked(Condition.damaged)

@@ -84,7 +84,15 @@ def collect(scene: Scene, layout: Layout) -> None:
 
 
 def collect_partly(scene: Scene, layout: Layout) -> dict[Path, Checked]:
-    """Join the shards that are there into the dataset of a scene; returns the others, whose scenarios are `not_run`."""
+    """Join the shards that are there into the dataset of a scene, unless it is there as a whole.
+
+    Returns the other shards, whose scenarios are `not_run`. The next run of the study replaces the dataset.
+    """
+    from cablesim.database.reading import read_dataset
+
+    path = layout.dataset(scene.name)
+    if check(path).whole and read_dataset(path).attrs.get("plan") == plan_digest(scene):
+        return {}
     for stamp in layout.stamps(scene.name, "collect"):
         stamp.unlink(missing_ok=True)
     return _collect(scene, layout, whole=False)

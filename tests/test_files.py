@@ -86,6 +86,11 @@ def test_a_file_in_the_place_of_another_is_foreign_although_its_ledger_came_alon
     assert check(other).condition is Condition.foreign
 
 
+def test_a_file_that_waits_for_more_is_partial(shard):
+    enter_in_ledger(shard, complete=False)
+    assert check(shard).condition is Condition.partial
+
+
 @pytest.mark.parametrize("text", ["[]", "", "{}", '{"sha256": 1}', "\x00"])
 def test_a_spoilt_ledger_vouches_for_nothing(shard, text):
     ledger(shard).write_text(text)

@@ -219,6 +219,23 @@ def test_a_shard_that_is_damaged_while_the_study_runs_leaves_its_scenarios_not_r
     assert mended.returncode == 0, mended.stdout + mended.stderr
 
 
+def test_a_dataset_of_what_was_there_so_far_is_replaced_although_a_stamp_says_it_is_done(study):
+    scene, results = study / "config" / "scenes" / "spans.yaml", study / "results" / "small"
+    before, stamps = root_group(results / "spans.nc"), digests(results / "stamps")
+    (results / "spans.nc").unlink()
+    shard = min((results / "shards" / "spans").glob("*.nc"))
+    shard.rename(shard.with_suffix(".away"))
+    command = [sys.executable, "-m", "cablesim", "collect", str(scene), "--out", str(results)]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 1
+    shard.with_suffix(".away").rename(shard)
+    # As if the step that collects had ended at the same moment.
+    for name in stamps:
+        (results / "stamps" / name).touch()
+    assert "collect_spans" in jobs(study)
+    assert snakemake(study).returncode == 0
+    assert root_group(results / "spans.nc") == before
+
+
 def test_a_damaged_dataset_is_collected_again(study):
     dataset = study / "results" / "small" / "spans.nc"
     before = root_group(dataset)

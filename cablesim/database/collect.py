@@ -49,8 +49,9 @@ def collect(
         with netCDF4.Dataset(temporary, "a") as file:
             _write_values(file, scene, plan, shards, timings)
         _write_checks(temporary, scene)
-    enter_in_ledger(path)
-    return {shards.path(digest): checked for digest, checked in shards.checked.items() if not checked.whole}
+    lost = {shards.path(digest): checked for digest, checked in shards.checked.items() if not checked.whole}
+    enter_in_ledger(path, complete=not lost)
+    return lost
 
 
 def _write_coordinates(path: Path, scene: Scene, attributes: dict[str, Any]) -> None:
