@@ -37,6 +37,13 @@ class Quantity:
         return "float32" if self.is_history else "float64"
 
     @property
+    def attributes(self) -> dict[str, str]:
+        """How CF tells of it in a file. A vertical coordinate must say which way it counts."""
+        named = {"standard_name": self.standard_name} if self.standard_name else {}
+        counted = {"positive": "down"} if self.standard_name == "depth" else {}
+        return {"units": self.unit, "long_name": self.meaning, **named, **counted}
+
+    @property
     def label(self) -> str:
         """Name, symbol and unit, as a figure axis or a table head shows them."""
         words = self.name.replace("_", " ")
@@ -87,7 +94,13 @@ TABLE = (
     Quantity("fluid_density", r"\rho", "kg m-3", "density of the fluid"),
     Quantity("stream_speed", "U", "m s-1", "speed of the stream past the line"),
     Quantity("heading", r"\psi", "rad", "direction in which stream and waves run, from x towards y"),
-    Quantity("depth", "Z", "m", "height of end B above end A; of a line moored in waves, depth of the still water"),
+    Quantity(
+        "depth",
+        "Z",
+        "m",
+        "height of end B above end A; of a line moored in waves, depth of the still water",
+        standard_name="depth",
+    ),
     Quantity("force_A", r"\mathbf{F}_A", "N", "tension times tangent at end A, tangent from A to B", ("component",)),
     Quantity("position_B", r"\mathbf{r}_B", "m", "position of end B from end A", ("component",)),
     # parameters of a line of sections

@@ -1,6 +1,9 @@
 """The fate of a scenario, and what a check says of it. Stored as int8 with these words as CF flag meanings."""
 
 from enum import IntEnum
+from typing import Any
+
+import numpy as np
 
 
 class Status(IntEnum):
@@ -34,3 +37,17 @@ SENTENCES = {
     Status.unavailable: "the package that this method calls is not installed (pip install cablesim[peers])",
     Status.not_run: "not computed yet, or its file was lost: run the study again",
 }
+
+
+def flag_attributes(kind: type[IntEnum], meaning: str) -> dict[str, Any]:
+    """The CF attributes of an int8 variable that holds members of an enumeration."""
+    return {
+        "long_name": meaning,
+        "flag_values": np.array([int(member) for member in kind], dtype=np.int8),
+        "flag_meanings": " ".join(member.name for member in kind),
+    }
+
+
+def status_attributes() -> dict[str, Any]:
+    """Those of the status of a scenario."""
+    return flag_attributes(Status, "fate of the scenario")

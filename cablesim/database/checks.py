@@ -8,7 +8,7 @@ import xarray as xr
 from cablesim.config.check_file import Check, Limit, Monotone
 from cablesim.database.reading import scene_lookup, with_components
 from cablesim.expressions import EQUAL_WITHIN, Term, parse
-from cablesim.status import Status, Verdict
+from cablesim.status import Status, Verdict, flag_attributes
 
 
 def check_flags(check: Check, dataset: xr.Dataset) -> xr.DataArray:
@@ -22,16 +22,14 @@ def check_flags(check: Check, dataset: xr.Dataset) -> xr.DataArray:
     holds, known = _limit(check, parts) if isinstance(check, Limit) else _monotone(check, parts)
     known = known & _solved(dataset)
     flags = np.where(known, np.where(holds, Verdict.passed, Verdict.failed), Verdict.unknown).astype(np.int8)
-    return xr.DataArray(flags, dataset.status.coords, dataset.status.dims, check.name, flag_attributes(check))
+    return xr.DataArray(
+        flags, dataset.status.coords, dataset.status.dims, check.name, flag_attributes(Verdict, check.words)
+    )
 
 
-def flag_attributes(check: Check) -> dict[str, Any]:
-    """The CF attributes of a variable of flags."""
-    return {
-        "long_name": check.words,
-        "flag_values": np.array([int(verdict) for verdict in Verdict], dtype=np.int8),
-        "flag_meanings": " ".join(verdict.name for verdict in Verdict),
-    }
+def check_attributes(check: Check) -> dict[str, Any]:
+    """The CF attributes of its flags."""
+    return flag_attributes(Verdict, check.words)
 
 
 def _limit(limit: Limit, dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:

@@ -15,7 +15,7 @@ import xarray as xr
 
 from cablesim.config.check_file import Check, Monotone
 from cablesim.config.scene import Scene
-from cablesim.database.checks import check_flags, flag_attributes
+from cablesim.database.checks import check_attributes, check_flags
 from cablesim.database.gather import RUN_TIME, Arrays, Part, Shards, gather, own_dims, own_shape, parts, stored_type
 from cablesim.database.labels import attributes_of, coordinates, provenance
 from cablesim.database.shard_file import STORAGE, chunk_sizes
@@ -63,7 +63,7 @@ def _write_coordinates(path: Path, scene: Scene, attributes: dict[str, Any]) -> 
 def _write_values(file: Any, scene: Scene, plan: ScenePlan, shards: Shards, timings: Timings | None) -> None:
     counted = ("iterations",) if any(method.solver.iterates for method in scene.methods) else ()
     stored = (*scene.outputs, "status", *counted)
-    flags = [_create(file, scene, one.name, np.dtype(np.int8), flag_attributes(one)) for one in scene.checks]
+    flags = [_create(file, scene, one.name, np.dtype(np.int8), check_attributes(one)) for one in scene.checks]
     _name_coordinates(file, scene, [*(_create_known(file, scene, name) for name in stored), *flags])
     measured = _create_measured(file, scene, timings)
     ranges: dict[str, list[float]] = {}

@@ -11,7 +11,7 @@ from cablesim.database.gather import NOT_COUNTED
 from cablesim.parameters import ParameterSpec
 from cablesim.quantities import COMPONENTS, LIST, PLACES, component_names, quantity, section_number
 from cablesim.sources import source_digest
-from cablesim.status import Status
+from cablesim.status import status_attributes
 
 LABELS = {
     "row": "row of the published table",
@@ -56,12 +56,11 @@ def coordinates(scene: Scene) -> dict[str, Any]:
 def _own_coordinates(scene: Scene) -> dict[str, Any]:
     """Coordinates of the dimensions that values have within one scenario."""
     sizes = scene.methods[0].sizes
-    phases, times = sizes.get("phase", 1), sizes.get("time", 1)
+    phases = sizes.get("phase", 1)
     known = {
         "component": (_words(COMPONENTS), "component of a vector"),
         "place": (_words(PLACES), "where along the line"),
         "phase": (np.arange(phases) / phases, "part of the last period that has passed"),
-        "time": (np.arange(times, dtype=np.int32), "number of the time; the times are history_time"),
     }
     used = {dim for name in scene.outputs for dim in quantity(name).dims}
     return {dim: (dim, values, {"long_name": words}) for dim, (values, words) in known.items() if dim in used}
@@ -96,13 +95,8 @@ def _words(words: tuple[str, ...]) -> np.ndarray:
 def attributes_of(name: str) -> dict[str, Any]:
     """The CF attributes of a variable."""
     if name == "status":
-        words = " ".join(status.name for status in Status)
-        flags = np.array([int(status) for status in Status], dtype=np.int8)
-        return {"long_name": "fate of the scenario", "flag_values": flags, "flag_meanings": words}
-    row = quantity(name)
-    attributes = {"units": row.unit, "long_name": row.meaning}
-    if row.standard_name:
-        attributes["standard_name"] = row.standard_name
+        return status_attributes()
+    attributes: dict[str, Any] = dict(quantity(name).attributes)
     if name == "iterations":
         attributes["comment"] = f"{NOT_COUNTED} where the method does not count any"
     return attributes

@@ -14,6 +14,7 @@ from cablesim.files import enter_in_ledger, written_whole
 from cablesim.quantities import quantity
 from cablesim.shards import Recipe
 from cablesim.solver import load_solver
+from cablesim.status import status_attributes
 
 # Values in a chunk: large enough to compress well, small enough to read a part.
 CHUNK = 2**17
@@ -35,6 +36,7 @@ def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
     shape = recipe.shape
     with written_whole(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
         file.setncatts({"Conventions": "CF-1.11", "solver": recipe.solver, "sources": recipe.sources})
+        file.setncatts({"title": f"A shard of {recipe.solver}", "history": "solved by cablesim; undated"})
         file.setncattr("options", json.dumps(recipe.options, sort_keys=True))
         file.setncattr("fixed", json.dumps(recipe.fixed, sort_keys=True))
         for axis in recipe.axes:
@@ -77,5 +79,4 @@ def _write(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> N
     settings = {**STORAGE, "chunksizes": chunk_sizes(values.shape)} if dims else {}
     variable = file.createVariable(name, values.dtype, dims, fill_value=False, **settings)
     variable[...] = values
-    if name != "status":
-        variable.setncatts({"units": quantity(name).unit, "long_name": quantity(name).meaning})
+    variable.setncatts(status_attributes() if name == "status" else quantity(name).attributes)

@@ -60,7 +60,8 @@ def test_histories_are_stored_with_their_own_dimensions_in_single_precision(tmp_
     assert found.profile.dtype == found.max_top_tension.dtype == np.float64
     assert found.place.values.tolist() == list(PLACES)
     assert found.phase.values.tolist() == [0.0, 0.25, 0.5, 0.75]
-    assert found.time.values.tolist() == list(range(13))
+    # Each scenario has its own times: `history_time`. CF wants a coordinate `time` to be one for all.
+    assert found.sizes["time"] == 13 and "time" not in found.variables
     assert found.history.attrs["units"] == "N"
 
 
