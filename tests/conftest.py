@@ -11,7 +11,19 @@ import cablesim.solvers
 from cablesim import solver, sources
 
 PROJECT = Path(__file__).parent.parent
+DEFAULT_STUDY = "default_study"
 EXAMPLES = Path(__file__).parent / "example_solvers"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Where several processes share the tests, a file stays in one, and so does all that needs the default study.
+
+    That comes first, because it takes longest.
+    """
+    for item in items:
+        group = DEFAULT_STUDY if DEFAULT_STUDY in item.fixturenames else str(item.path)
+        item.add_marker(pytest.mark.xdist_group(group))
+    items.sort(key=lambda item: DEFAULT_STUDY not in item.fixturenames)
 
 
 @pytest.fixture(scope="session")
