@@ -15,7 +15,7 @@ test: .venv/test  ## Formatting, types, import directions and all tests.
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/snakefmt --check Snakefile workflow
-	$(BIN)/python -m pytest --numprocesses auto --dist loadgroup
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/exact_catenary.py

@@ -1,8 +1,5 @@
-"""The default study, computed once by Snakemake for all tests that look at it."""
+"""What tests of several folders share: their order, and solvers that are there for tests alone."""
 
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,33 +7,12 @@ import pytest
 import cablesim.solvers
 from cablesim import solver, sources
 
-PROJECT = Path(__file__).parent.parent
-DEFAULT_STUDY = "default_study"
 EXAMPLES = Path(__file__).parent / "example_solvers"
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Where several processes share the tests, a file stays in one, and so does all that needs the default study.
-
-    That comes first, because it takes longest.
-    """
-    for item in items:
-        group = DEFAULT_STUDY if DEFAULT_STUDY in item.fixturenames else str(item.path)
-        item.add_marker(pytest.mark.xdist_group(group))
-    items.sort(key=lambda item: DEFAULT_STUDY not in item.fixturenames)
-
-
-@pytest.fixture(scope="session")
-def default_study(tmp_path_factory) -> Path:
-    """A folder in which `make study` has run."""
-    folder = tmp_path_factory.mktemp("default")
-    shutil.copy(PROJECT / "Snakefile", folder)
-    for part in ("workflow", "config"):
-        shutil.copytree(PROJECT / part, folder / part)
-    command = [sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default"]
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=1100, check=False)
-    assert run.returncode == 0, run.stdout + run.stderr
-    return folder
+    """The default study first: where several processes share the tests by file, it takes longest."""
+    items.sort(key=lambda item: item.path.name != "test_default_study.py")
 
 
 @pytest.fixture

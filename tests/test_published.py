@@ -161,15 +161,3 @@ def test_the_measured_order_of_the_segment_method_is_that_of_its_variant(variant
 def test_the_figures_of_example_4_and_of_the_segment_errors_are_drawn(stream):
     figures = ("pode_example_shape_shape", "pode_example_force", "segment_error_segments", "segment_error_diagram")
     assert all((stream.figures / f"{name}.png").stat().st_size > 10_000 for name in figures)
-
-
-def test_the_classical_layout_prints_the_values_of_the_literature(default_study):
-    printed = table(Layout(default_study / "results" / "default"), "pode_table_classical").set_index(
-        ["critical_angle [deg]", "friction_ratio", "angle [deg]"]
-    )
-    assert printed.loc[(30, 0.025, 90)].tolist() == [1.38698, 3.06571, -2.24439, 1.60605]
-    assert printed.loc[(30, 0.025, 32), "xi"] == 2.33181
-    assert printed.loc[(30, 0.025, 31), "xi"] == 4.05988
-    # From the angle after the critical one to that before the end of the domain, and nothing at either.
-    degrees = printed.loc[(30, 0.025)].index
-    assert (degrees.min(), degrees.max(), len(degrees)) == (31, 209, 179)

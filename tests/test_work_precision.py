@@ -165,39 +165,3 @@ def test_the_error_of_the_reference_is_what_it_differs_by_from_its_check(tmp_pat
 
 
 # Of the scenes in the default study: what does not depend on the machine.
-SCENES = {
-    "precision_hanging": ("elastic", 1e-9),
-    "precision_towline": ("exact", 1e-9),
-    "precision_pulled": ("exact", 1e-9),
-    "precision_stream": ("pode", 1e-9),
-    "segment_error": ("exact", 1e-9),
-    "precision_wave": ("alpha_1e_5", 1e-4),
-    "precision_mesh": ("n20_1e_3", 1e-2),
-    "precision_snap": ("n20_1e_3", 1e-2),
-}
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_the_reference_of_the_default_study_tells_what_it_is_there_for(name, default_study):
-    read = read_scene(default_study / "config" / "scenes" / f"{name}.yaml")
-    found = work_and_precision(read, read_dataset(default_study / "results" / "default" / f"{name}.nc"))
-    method, accuracy = SCENES[name]
-    assert found.least_told <= accuracy
-    kept = next(one for one in found.methods if one.name == method)
-    assert kept.solves_all and kept.largest <= accuracy
-    assert found.fastest(accuracy) is not None
-    assert found.front
-
-
-def test_errors_in_the_default_study_are_those_of_the_methods(default_study):
-    def largest(name):
-        read = read_scene(default_study / "config" / "scenes" / f"{name}.yaml")
-        dataset = read_dataset(default_study / "results" / "default" / f"{name}.nc")
-        return {one.name: one.largest for one in work_and_precision(read, dataset).methods}
-
-    hanging, towed = largest("precision_hanging"), largest("precision_towline")
-    # 2 % longer than the span: the parabola's tension is off by 0.48 %, the series' by 1e-5, the handbook's by 41 %.
-    assert [round(hanging[name], 4) for name in ("parabolic", "handbook")] == [0.0048, 0.4140]
-    assert 5e-6 < hanging["series"] < 2e-5
-    # MoorPy's own tolerance is absolute: lines that are nearly straight are off by any factor, and none says so.
-    assert towed["moorpy"] > 1.0 and towed["moorpy_1e_6"] < 1e-3

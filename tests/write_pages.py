@@ -19,6 +19,10 @@ PAGES = (README, *sorted((PROJECT / "docs").glob("*.md")))
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 
 
+def blocks(language: str, page: Path = README) -> list[str]:
+    return [body for found, body in FENCE.findall(page.read_text(encoding="utf-8")) if found == language]
+
+
 def printed(command: str) -> str:
     """What a command prints: one of ours, or `head`."""
     program, *arguments = shlex.split(command)

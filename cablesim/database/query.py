@@ -1,6 +1,6 @@
 """Ask scenes for scenarios: a condition, the nearest ones, an order, columns. The answer comes in pieces, as tables.
 
-Only netCDF has room for profiles and histories; `read_long` reads them for the scenarios that were found.
+Only netCDF has room for profiles and histories; `ask_long` reads them for the scenarios that were found.
 """
 
 from collections.abc import Iterator, Mapping
