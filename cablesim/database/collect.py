@@ -117,8 +117,9 @@ def _create(file: Any, scene: Scene, name: str, kind: np.dtype, attributes: dict
     """An empty variable over method, axes and its own dimensions."""
     shape = (len(scene.methods), *scene.design.shape, *own_shape(scene, name))
     dims = ("method", *(axis.name for axis in scene.design.axes), *own_dims(name))
+    known = file.dimensions.keys() | (file.parent.dimensions.keys() if file.parent else set())
     for dim, size in zip(dims, shape, strict=True):
-        if dim not in file.dimensions:
+        if dim not in known:
             file.createDimension(dim, size)
     blank = np.nan if kind.kind == "f" else False
     settings = {**STORAGE, "chunksizes": _chunks(name, shape)}
@@ -149,8 +150,15 @@ def _use_timings(values: Arrays, scene: Scene, part: Part, timings: Timings | No
 
 
 def _name_coordinates(file: Any, scene: Scene, variables: list[Any]) -> None:
-    """Say, as CF does, which variables are coordinates of which; those of none are told in the file's attributes."""
-    others = {name: set(dims) for name, (dims, *_) in coordinates(scene).items() if name not in file.dimensions}
+    """Say, as CF does, which variables are coordinates of which; those of none are told in the file's attributes.
+
+    Words are named even where they have the name of a dimension: to CF only numbers are coordinates by their name.
+    """
+    others = {
+        name: {dims} if isinstance(dims, str) else set(dims)
+        for name, (dims, values, _) in coordinates(scene).items()
+        if name not in file.dimensions or values.dtype.kind == "U"
+    }
     for variable in variables:
         own = [name for name, dims in others.items() if dims <= set(variable.dimensions)]
         if own:

@@ -31,24 +31,17 @@ def coordinates(scene: Scene) -> dict[str, Any]:
                 continue
             coords[name] = (axis.name, *_parameter(scene.parameters[name], values))
         if axis.name not in axis.columns:
-            coords[axis.name] = (
-                axis.name,
-                np.arange(axis.size, dtype=np.int32),
-                {"long_name": f"number of the {axis.name}"},
-            )
+            numbers = np.arange(axis.size, dtype=np.int32)
+            coords[axis.name] = (axis.name, numbers, _named(numbers, f"number of the {axis.name}"))
         for name, values in axis.labels.items():
-            is_word = values.dtype.kind == "U"
-            coords[name] = (
-                axis.name,
-                _words(tuple(values)) if is_word else values.astype(np.int32),
-                {"long_name": LABELS[name]},
-            )
+            shown = _words(tuple(values)) if values.dtype.kind == "U" else values.astype(np.int32)
+            coords[name] = (axis.name, shown, _named(shown, LABELS[name]))
     for name, value in scene.fixed.items():
         if not section_number(name):
             coords[name] = ((), *_parameter(scene.parameters[name], np.array(value)))
     if scene.sections:
         numbers = np.arange(1, scene.sections + 1, dtype=np.int32)
-        coords["section"] = ("section", numbers, {"long_name": "number of the section, from A to B"})
+        coords["section"] = ("section", numbers, _named(numbers, "number of the section, from A to B"))
         coords |= {name: _list(scene, name) for name, spec in scene.parameters.items() if spec.listed}
     return coords | _own_coordinates(scene)
 
@@ -63,7 +56,12 @@ def _own_coordinates(scene: Scene) -> dict[str, Any]:
         "phase": (np.arange(phases) / phases, "part of the last period that has passed"),
     }
     used = {dim for name in scene.outputs for dim in quantity(name).dims}
-    return {dim: (dim, values, {"long_name": words}) for dim, (values, words) in known.items() if dim in used}
+    return {dim: (dim, values, _named(values, words)) for dim, (values, words) in known.items() if dim in used}
+
+
+def _named(values: np.ndarray, words: str) -> dict[str, Any]:
+    """The attributes of what has no unit; CF gives numbers the unit 1 and words none."""
+    return {"long_name": words} if values.dtype.kind == "U" else {"units": "1", "long_name": words}
 
 
 def _list(scene: Scene, name: str) -> tuple[tuple[str, ...], np.ndarray, dict[str, Any]]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cablesim import batch
 from cablesim.batch import Results
-from cablesim.design import expand
+from cablesim.design import Axis, expand
 from cablesim.errors import EnvironmentFault
 from cablesim.files import enter_in_ledger, written_whole
 from cablesim.quantities import quantity
@@ -39,11 +39,12 @@ def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
         file.setncatts({"title": f"A shard of {recipe.solver}", "history": "solved by cablesim; undated"})
         file.setncattr("options", json.dumps(recipe.options, sort_keys=True))
         file.setncattr("fixed", json.dumps(recipe.fixed, sort_keys=True))
-        for axis in recipe.axes:
-            file.createDimension(axis.name, axis.size)
+        dims = tuple(_dimension(axis) for axis in recipe.axes)
+        for dim, axis in zip(dims, recipe.axes, strict=True):
+            file.createDimension(dim, axis.size)
             for name, values in axis.columns.items():
-                _write(file, name, (axis.name,), values)
-        dims = tuple(axis.name for axis in recipe.axes)
+                _write(file, name, (dim,), values)
+        given = " ".join(name for name in file.variables if name not in dims)
         for name, values in results.outputs.items():
             for size, dim in zip(values.shape[1:], quantity(name).dims, strict=True):
                 if dim not in file.dimensions:
@@ -51,6 +52,8 @@ def write_shard(path: Path, recipe: Recipe, results: Results) -> None:
             _write(file, name, (*dims, *quantity(name).dims), values.reshape((*shape, *values.shape[1:])))
         _write(file, "status", dims, results.status.reshape(shape))
         _write(file, "iterations", dims, results.iterations.reshape(shape))
+        for name in (*results.outputs, "status", "iterations") if given else ():
+            file.variables[name].coordinates = given
     enter_in_ledger(path, results.seconds)
 
 
@@ -73,6 +76,15 @@ def chunk_sizes(shape: tuple[int, ...]) -> tuple[int, ...]:
         chunks.append(max(1, min(size, room)))
         room = max(1, room // max(1, size))
     return tuple(reversed(chunks))
+
+
+def _dimension(axis: Axis) -> str:
+    """The name of the dimension of an axis: another than its own if its values do not all rise or all fall.
+
+    Numbers with the name of their dimension are in order, says CF; words, which are numbers here, need not be.
+    """
+    change = np.diff(axis.columns.get(axis.name, ()))
+    return axis.name if (change > 0).all() or (change < 0).all() else f"{axis.name}_number"
 
 
 def _write(file: Any, name: str, dims: tuple[str, ...], values: np.ndarray) -> None:

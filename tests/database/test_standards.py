@@ -7,10 +7,13 @@ import sys
 from pathlib import Path
 
 import netCDF4
+import numpy as np
 import pytest
+import xarray as xr
 from compliance_checker.runner import CheckSuite
 
 from cablesim.database.shard_file import STORAGE
+from cablesim.database.timing import MEASURED
 from tests.database.conftest import run
 
 SCENES = {
@@ -52,6 +55,43 @@ fixed: {horizontal_tension: 50 kN}
 methods: {exact: {solver: composite_line}}
 outputs: [tension_B, joint_tension, joint_position]
 """,
+    "laws": """
+title: Words in no order along an axis, and vectors along another
+design:
+  grid:
+    friction_law: [cosine_squared, zero, constant]
+    force_A: [[0, 0, 100], [5, 0, 80]]
+fixed:
+  line_length: 50 m
+  weight_per_length: 2 N/m
+  diameter: 10 mm
+  normal_drag_coefficient: 1.2
+  tangential_drag_coefficient: 0.02
+  fluid_density: 1025
+  stream_speed: 1 m/s
+methods: {pode: {solver: pode_line, options: {nodes: 5}}}
+outputs: [position_B, tension_B, profile_tension]
+""",
+    "sample": """
+title: A sample of scenarios
+design: {sample: {method: sobol, num: 8, seed: 3, ranges: {span: {start: 10 m, stop: 20 m}}}}
+fixed: {length_ratio: 1.1, weight_per_length: 5 N/m}
+methods: {exact: {solver: catenary_exact}}
+outputs: [sag]
+""",
+    "printed": """
+title: A printed table, read in several ways
+design:
+  cases:
+    table: printed.csv
+    keys:
+      span: {span: span, length_ratio: ratio}
+      ratio: {span: span, length_ratio: ratio}
+fixed: {weight_per_length: 5 N/m}
+methods: {exact: {solver: catenary_exact}}
+outputs: [sag]
+published: {table: printed.csv, columns: {sag: sag}}
+""",
     "histories": """
 title: Histories of a moored line
 design: {grid: {top_amplitude: [0.5 m, 1 m], depth: [80 m, 100 m]}}
@@ -69,6 +109,7 @@ methods: {moored: {solver: wave_line, options: {segments: 5, rtol: 1e-2}}}
 outputs: [max_top_tension, history, history_time, orbit]
 """,
 }
+TABLE = "# source: made up\nspan,ratio,sag\n10.0,1.10,2.0\n20.0,1.20,5.8\n"
 # Each scenario has times of its own, `history_time`, so that the dimension has no coordinate. CF allows that; the
 # checker goes by the name of the dimension.
 NO_TIME_FOR_ALL = re.compile(r"Dimension 'time' in variable 'history(_time)?' is expected to be a coordinate axis .*")
@@ -80,12 +121,18 @@ ERROR = 3
 def files(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """A dataset of each scene, and their shards."""
     folder = tmp_path_factory.mktemp("standards")
+    (folder / "printed.csv").write_text(TABLE)
     for name, text in SCENES.items():
         (folder / f"{name}.yaml").write_text(text)
         run(folder / f"{name}.yaml", folder / "results")
     found = sorted((folder / "results").rglob("*.nc"))
     assert len(found) > 2 * len(SCENES)
     return found
+
+
+def datasets(files: list[Path]) -> list[Path]:
+    """Those that are no shards."""
+    return [path for path in files if path.stem in SCENES]
 
 
 def errors_in(path: Path) -> list[str]:
@@ -132,13 +179,52 @@ def test_every_array_is_compressed_and_has_a_checksum(files):
 
 
 def test_every_numeric_axis_has_a_unit_a_meaning_and_values_that_a_reader_can_draw_along(files):
-    for path in (path for path in files if path.stem in SCENES):
+    for path in datasets(files):
         with netCDF4.Dataset(path) as file:
             assert file.title and file.Conventions == "CF-1.11"
-            for name in file["status"].dimensions:
+            for name in file.variables.keys() & {*file.dimensions, "row"}:
                 assert file[name].long_name
-                if file[name].dtype.kind == "f":
+                if file[name].dtype.kind in "if":
                     assert file[name].units
+                if file[name].dtype.kind in "if" and name in file.dimensions:
+                    change = np.diff(file[name][:])
+                    assert (change > 0).all() or (change < 0).all()
+
+
+def test_every_variable_names_the_coordinates_that_cf_does_not_know_by_their_name(files):
+    for path in datasets(files):
+        with netCDF4.Dataset(path) as file, xr.open_dataset(path) as plain:
+            for name, variable in plain.data_vars.items():
+                along = {str(own) for own, values in plain.coords.items() if set(values.dims) <= set(variable.dims)}
+                numbers = {dim for dim in variable.dims if dim in file.variables and file[dim].dtype.kind in "if"}
+                assert set(file[name].coordinates.split()) == along - numbers, (path.name, name)
+            assert "coordinates" not in file.ncattrs()
+
+
+def test_every_answer_in_a_shard_names_what_it_was_asked(files):
+    for path in (path for path in files if path not in datasets(files)):
+        with netCDF4.Dataset(path) as file:
+            named = getattr(file["status"], "coordinates", "").split()
+            axes = [name for name in file["status"].dimensions if name in file.variables]
+            assert set(file.variables) - {*named, *axes} >= {"status", "iterations"}
+            assert all(file[name].dimensions[0] in file["status"].dimensions for name in (*named, *axes))
+            assert len(file["status"].dimensions) <= len(axes) + len(named)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_what_is_measured_is_along_the_dimensions_of_the_file_and_keeps_to_cf(files, tmp_path):
+    for path in datasets(files):
+        with netCDF4.Dataset(path) as file:
+            assert not file[MEASURED].dimensions
+            assert file[MEASURED]["run_time"].dimensions == file["status"].dimensions
+        # The checker reads no variables of groups.
+        alone = tmp_path / path.name
+        with xr.open_dataset(path) as plain, xr.open_dataset(path, group=MEASURED) as measured:
+            numbers = [dim for dim in measured.dims if plain[dim].dtype.kind in "if"]
+            copied = measured.assign_coords({dim: plain[dim] for dim in numbers})
+            copied = copied.assign_attrs(Conventions="CF-1.11", title="Times", history="copied")
+            copied.to_netcdf(alone, encoding={dim: {"_FillValue": None} for dim in numbers})
+        assert errors_in(alone) == []
 
 
 READERS = {
