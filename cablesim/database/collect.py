@@ -18,7 +18,7 @@ from cablesim.config.scene import Scene
 from cablesim.database.checks import check_attributes, check_flags
 from cablesim.database.gather import RUN_TIME, Arrays, Part, Shards, gather, own_dims, own_shape, parts, stored_type
 from cablesim.database.labels import attributes_of, coordinates, provenance
-from cablesim.database.shard_file import STORAGE, chunk_sizes
+from cablesim.database.shard_file import STORAGE, chunk_sizes, small_chunk_cache
 from cablesim.database.timing import MEASURED, THREADS, Timing, Timings
 from cablesim.files import Checked, check, enter_in_ledger, written_whole
 from cablesim.plan import ScenePlan
@@ -46,7 +46,7 @@ def collect(
     shards = Shards(folder, {digest: check(folder / f"{digest}.nc") for digest in plan.recipes})
     with written_whole(path) as temporary:
         _write_coordinates(temporary, scene, provenance(scene, plan.digest, revision))
-        with netCDF4.Dataset(temporary, "a") as file:
+        with small_chunk_cache(), netCDF4.Dataset(temporary, "a") as file:
             _write_values(file, scene, plan, shards, timings)
         _write_checks(temporary, scene)
     lost = {shards.path(digest): checked for digest, checked in shards.checked.items() if not checked.whole}
@@ -86,7 +86,7 @@ def _write_checks(path: Path, scene: Scene) -> None:
     """What the checks say of the values that are in the file, a slab of the design at a time."""
     if not scene.checks:
         return
-    with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
+    with small_chunk_cache(), xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
         flags = {one.name: _flags(one, dataset, scene) for one in scene.checks}
     with netCDF4.Dataset(path, "a") as file:
         for name, values in flags.items():

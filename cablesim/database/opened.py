@@ -17,7 +17,7 @@ import xarray as xr
 
 from cablesim.database.catalogue import catalogue
 from cablesim.database.query import Answer, Order, Request, ask
-from cablesim.database.reading import MEASURED, open_scenes, scene_paths
+from cablesim.database.reading import open_file, open_scenes, scene_paths
 from cablesim.errors import EnvironmentFault, InputError, nearest
 
 
@@ -37,8 +37,7 @@ class OpenedStudy(Mapping[str, xr.Dataset]):
             raise InputError(f"{self.results}: no scene '{scene}': {nearest(scene, self._paths)}")
         path = self._paths[scene]
         try:
-            dataset = xr.open_dataset(path, engine="netcdf4", chunks={})
-            measured = xr.open_dataset(path, engine="netcdf4", chunks={}, group=MEASURED)
+            dataset, measured = open_file(path, chunks={})
         except (OSError, KeyError, ValueError, RuntimeError) as problem:
             raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
         return dataset.assign(measured.variables).assign_attrs(measured.attrs)

@@ -11,6 +11,7 @@ import xarray as xr
 from cablesim.config.document import is_name
 from cablesim.config.scene import Reference
 from cablesim.config.table import Table
+from cablesim.database.shard_file import small_chunk_cache
 from cablesim.database.timing import MEASURED
 from cablesim.design import SCENARIO
 from cablesim.errors import EnvironmentFault, InputError, nearest
@@ -54,15 +55,22 @@ def open_scenes(results: Path, names: str) -> dict[str, xr.Dataset]:
     return {scene: read_dataset(path) for scene, path in chosen.items()}
 
 
+def open_file(path: Path, **options: Any) -> tuple[xr.Dataset, xr.Dataset]:
+    """A dataset file and its group of measured values, lazily."""
+    with small_chunk_cache():
+        dataset, measured = (
+            xr.open_dataset(path, engine="netcdf4", group=group, **options) for group in (None, MEASURED)
+        )
+    return dataset, measured
+
+
 def read_dataset(path: Path) -> xr.Dataset:
     """A dataset file and its group of measured values as one dataset, with the attributes of both.
 
     A small one is in memory; of a large one each variable is read when it is asked for, and not kept.
     """
     try:
-        dataset, measured = (
-            xr.open_dataset(path, engine="netcdf4", cache=False, group=group) for group in (None, MEASURED)
-        )
+        dataset, measured = open_file(path, cache=False)
         whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
         if whole.nbytes > MOST_BYTES:
             return whole
