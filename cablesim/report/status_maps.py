@@ -16,7 +16,7 @@ from cablesim.status import Status
 # Of Okabe and Ito's palette, but for what is solved, not installed or not run: told apart by any kind of colour vision,
 # and by lightness alone.
 COLOURS = {
-    Status.ok: "#E8E8E8",
+    Status.ok: "#D0D0D0",
     Status.infeasible: "#56B4E9",
     Status.not_converged: "#D55E00",
     Status.out_of_domain: "#000000",
