@@ -227,7 +227,8 @@ def compare(results_a: Path, results_b: Path, tolerance: float) -> int:
         raise InputError(f"--tolerance must be a number >= 0, not {tolerance}")
     table = comparison.compare(results_a, results_b, tolerance)
     differs = bool(table["differs"].any())
-    click.echo(table.drop(columns="differs").to_markdown(index=False, floatfmt=".3g"))
+    shown = table.drop(columns="differs").astype(object)
+    click.echo(shown.where(shown.notna(), "").to_markdown(index=False, floatfmt=".3g"))
     for note in table.attrs["notes"]:
         click.echo(f"note: {note}", err=True)
     click.echo("they differ" if differs else "the same")
