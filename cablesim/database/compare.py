@@ -70,18 +70,18 @@ class _Change:
     largest: float = 0.0
     relative: float = 0.0
     place: dict[str, int] = field(default_factory=dict)
-    flags: Counter[tuple[int, int]] = field(default_factory=Counter)
+    flags: Counter[tuple[str, str]] = field(default_factory=Counter)
 
 
 def _compare_scene(a: xr.Dataset, b: xr.Dataset, tolerance: float) -> Iterator[dict[str, object]]:
-    a, b = (with_components(dataset) for dataset in _equally_wide(a, b))
+    a, b = _equally_wide(a, b)
     try:
-        matched = match(a, b)
+        matched = match(with_components(a), with_components(b))
     except OtherDesignError as reason:
         yield {"output": str(reason), "differs": True}
         return
     shared = {"in both": matched.both, "removed": matched.removed, "added": matched.added}
-    for output in sorted(_outputs(a) | _outputs(b)):
+    for output in sorted({str(name) for name in (*a.data_vars, *b.data_vars)} - MEASURED_NAMES):
         lacking = _lacking(a, b, output)
         if lacking:
             yield {**shared, "output": f"{output} ({lacking})", "differs": True}
@@ -99,12 +99,6 @@ def _equally_wide(a: xr.Dataset, b: xr.Dataset) -> tuple[xr.Dataset, xr.Dataset]
         return a, b
     sections = max(a.section.values, b.section.values, key=len)
     return a.reindex(section=sections), b.reindex(section=sections)
-
-
-def _outputs(dataset: xr.Dataset) -> set[str]:
-    """What is answered; vectors and lists as a whole, because their parts are views of them."""
-    parts = {str(name) for name in dataset.data_vars} - MEASURED_NAMES
-    return {name for name in parts if name.rpartition("_")[0] not in parts}
 
 
 def _lacking(a: xr.Dataset, b: xr.Dataset, output: str) -> str:
@@ -130,12 +124,9 @@ def _look(a: xr.DataArray, b: xr.DataArray, matched: Match, tolerance: float, ch
         lengths = {dim: points.size for dim, points in block.items()} | {str(dim): a.sizes[dim] for dim in own}
         values_a, values_b = _values(a, in_a, lengths), _values(b, in_b, lengths)
         if flag_words(a):
-            changed = values_a != values_b
-            pairs = zip(values_a[changed].tolist(), values_b[changed].tolist(), strict=True)
-            change.flags.update(pairs)
-            change.beyond += int(changed.sum())
+            _count(values_a, values_b, (flag_words(a), flag_words(b)), change)
         else:
-            _measure(values_a, values_b, tolerance, in_a, change)
+            _measure(values_a, values_b, tolerance if a.dtype.kind == "f" else 0.0, in_a, change)
 
 
 def _values(values: xr.DataArray, points: Points, lengths: dict[str, int]) -> np.ndarray:
@@ -144,6 +135,16 @@ def _values(values: xr.DataArray, points: Points, lengths: dict[str, int]) -> np
     block = read(values, {dim: points[dim][order[dim]] for dim in order})
     block = block.isel({dim: np.argsort(own) for dim, own in order.items() if np.any(np.diff(own) < 0)})
     return block.set_dims(lengths).values
+
+
+def _count(a: np.ndarray, b: np.ndarray, words: tuple[tuple[str, ...], tuple[str, ...]], change: _Change) -> None:
+    """From what to what flags have changed, by their words, whatever numbers these have."""
+    pairs, counts = np.unique(np.stack([a.ravel(), b.ravel()]), axis=1, return_counts=True)
+    for (old, new), count in zip(pairs.T.tolist(), counts.tolist(), strict=True):
+        told = _word(words[0], old), _word(words[1], new)
+        if told[0] != told[1]:
+            change.flags[told] += count
+            change.beyond += count
 
 
 def _measure(a: np.ndarray, b: np.ndarray, tolerance: float, points: Points, change: _Change) -> None:
@@ -169,9 +170,7 @@ def _measure(a: np.ndarray, b: np.ndarray, tolerance: float, points: Points, cha
 def _told(a: xr.Dataset, output: str, change: _Change) -> dict[str, Any]:
     """The part of a row that tells of a change."""
     if flag_words(a[output]):
-        words = flag_words(a[output])
-        most = change.flags.most_common(MOST_TOLD)
-        told = [f"{_word(words, old)} -> {_word(words, new)}: {count}" for (old, new), count in most]
+        told = [f"{old} -> {new}: {count}" for (old, new), count in change.flags.most_common(MOST_TOLD)]
         return {"beyond tolerance": change.beyond, "where": ", ".join(told)}
     where = _where(a, change.place) if change.beyond else ""
     sizes = {"largest change": change.largest, "relative": change.relative}

@@ -40,7 +40,7 @@ def match(a: xr.Dataset, b: xr.Dataset) -> Match:
         names = sorted(name for name in keys_a if dim in (*a[name].dims, *b[name].dims))
         in_a[dim], in_b[dim] = _meet(_points(a, dim, names), _points(b, dim, names), names)
     fixed = [name for name in keys_a if a[name].ndim == b[name].ndim == 0]
-    same = all(a[name].item() == b[name].item() for name in fixed)
+    same = all(_is_same(a[name].item(), b[name].item()) for name in fixed)
     both = math.prod(own.size for own in in_a.values()) if same else 0
     return Match(in_a, in_b, both, a.status.size - both, b.status.size - both)
 
@@ -63,7 +63,13 @@ def _points(dataset: xr.Dataset, dim: str, names: list[str]) -> pd.DataFrame:
     return pd.DataFrame(columns | {"place": np.arange(size)})
 
 
+def _is_same(a: object, b: object) -> bool:
+    """Also of two that are no numbers."""
+    return a == b or (a != a and b != b)
+
+
 def _meet(a: pd.DataFrame, b: pd.DataFrame, names: list[str]) -> tuple[np.ndarray, np.ndarray]:
-    """The places of the points that two tables share, in the order of the first."""
-    both = a.merge(b, on=names).sort_values("place_x")
+    """The places of the points that two tables share, in the order of the first; equal ones by their turn."""
+    a, b = (table.assign(repeat=table.groupby(names, dropna=False).cumcount()) for table in (a, b))
+    both = a.merge(b, on=[*names, "repeat"]).sort_values("place_x")
     return both["place_x"].to_numpy(dtype=np.int64), both["place_y"].to_numpy(dtype=np.int64)

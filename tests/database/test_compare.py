@@ -138,6 +138,34 @@ def test_vectors_and_profiles_are_compared_as_a_whole(stored, copy):
     assert not [output for output in table.output if output.startswith("profile_")]
 
 
+def test_an_output_named_after_another_is_compared_too(tmp_path):
+    checks = (
+        "outputs: [sag, max_tension, profile]",
+        "outputs: [sag, max_tension, profile]\nchecks: {sag_small: sag < 5 m}",
+    )
+    one, other = (rerun(tmp_path / name, "spans", checks) for name in "ab")
+    with netCDF4.Dataset(other / "spans.nc", "a") as file:
+        file["sag_small"][0, 0, 1] = 1
+    found = row(compare(one, other), "sag_small")
+    assert (found["beyond tolerance"], found["where"]) == (1, "passed -> failed: 1")
+
+
+def test_flags_are_compared_by_their_words(stored, copy):
+    with netCDF4.Dataset(copy / "spans.nc", "a") as file:
+        file["status"].flag_meanings = "infeasible ok not_converged out_of_domain unavailable not_run"
+        file["status"][...] = np.array([1, 0])[file["status"][...]]
+    assert not row(compare(stored, copy), "status").differs
+
+
+def test_a_case_that_is_listed_twice_is_two_scenarios(tmp_path):
+    case = "    - {span: 40 m, rise: 3 m, length_ratio: 1.2}\n"
+    twice, once = rerun(tmp_path / "a", "inclined", (case, case + case)), rerun(tmp_path / "b", "inclined")
+    found = row(compare(twice, twice), "sag", "inclined")
+    assert (found["in both"], found["removed"], found["added"], found["beyond tolerance"]) == (5, 0, 0, 0)
+    found = row(compare(twice, once), "sag", "inclined")
+    assert (found["in both"], found["removed"], found["added"], found["beyond tolerance"]) == (4, 1, 0, 0)
+
+
 def test_what_may_explain_a_change_is_told(stored, copy, capsys):
     with netCDF4.Dataset(copy / "spans.nc", "a") as file:
         file.methods = file.methods.replace('"sources": "', '"sources": "other', 1)
