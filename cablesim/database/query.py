@@ -113,10 +113,9 @@ def ask(datasets: Mapping[str, xr.Dataset], request: Request, skipping: bool = F
             problem = problem or reason
     if not asked:
         raise problem or InputError("no scene is asked")
-    if len(datasets) > 1 and not request.columns:
-        common = [name for name in asked[0].columns if all(name in one.columns for one in asked)]
-        asked = [replace(one, columns=tuple(common)) for one in asked]
     many = len(datasets) > 1
+    if many and not request.columns:
+        asked = [replace(one, columns=_common(asked)) for one in asked]
     pieces = (piece for one in asked for piece in _pieces(one, many))
     columns = ((SCENE,) if many else ()) + asked[0].columns
     return Answer(
@@ -150,16 +149,28 @@ def _prepared(name: str, dataset: xr.Dataset, request: Request) -> _Asked:
     return _Asked(name, dataset, selection, columns, orders)
 
 
-def _columns(dataset: xr.Dataset, columns: tuple[str, ...]) -> list[str]:
+def _known(dataset: xr.Dataset) -> list[str]:
+    """What has one value a scenario: parameters first, then what was answered."""
     scenario_dims = set(dataset.status.dims)
-    known = [str(name) for name in dataset.variables if set(dataset[name].dims) <= scenario_dims]
+    return [str(n) for n in (*dataset.coords, *dataset.data_vars) if set(dataset[n].dims) <= scenario_dims]
+
+
+def _common(asked: list[_Asked]) -> tuple[str, ...]:
+    """The columns that all scenes have; of parameters those that vary in any of them, or from one to the other."""
+    shared = [name for name in _known(asked[0].dataset) if all(name in _known(one.dataset) for one in asked)]
+    fixed = {name for name in shared if not any(one.dataset[name].ndim for one in asked)}
+    same = {name for name in fixed if len({one.dataset[name].item() for one in asked}) == 1}
+    return tuple(name for name in shared if name not in same)
+
+
+def _columns(dataset: xr.Dataset, columns: tuple[str, ...]) -> list[str]:
+    known = _known(dataset)
     for name in columns:
         if name in dataset.data_vars and _is_long(dataset[name]):
             raise InputError(f"'{name}' has many values a scenario: only --format netcdf has room for them")
         if name not in known:
             raise InputError(f"no column '{name}': {nearest(name, known)}")
-    coords = [name for name in known if name in dataset.coords and dataset[name].ndim > 0]
-    return list(columns) or [*coords, *(name for name in known if name in dataset.data_vars)]
+    return list(columns) or [name for name in known if name in dataset.data_vars or dataset[name].ndim > 0]
 
 
 def _units(asked: _Asked) -> dict[str, str]:

@@ -15,6 +15,7 @@ from cablesim.database import answers, query, scan
 from cablesim.database.query import Order, Request, ask
 from cablesim.database.reading import open_scenes, read_dataset
 from cablesim.errors import InputError
+from tests.database.conftest import run
 
 CONDITIONS = [
     None,
@@ -168,6 +169,20 @@ def test_several_scenes_are_asked_at_once_for_what_they_share(stored):
     best = found(stored, "spans,inclined", order=(Order("max_tension", True),), limit=2, columns=("max_tension",))
     alone = pd.concat([found(stored, scene) for scene in ("spans", "inclined")])
     assert best.max_tension.tolist() == alone.max_tension.nlargest(2).tolist()
+
+
+def test_what_varies_in_one_scene_and_is_fixed_in_another_is_a_column(stored, tmp_path):
+    for name in "ab":
+        (tmp_path / f"{name}.yaml").write_text(
+            f"title: {name}\ndesign: {{grid: {{{'span' if name == 'a' else 'line_length'}: [20, 25]}}}}\n"
+            f"fixed: {{{'line_length: 30' if name == 'a' else 'span: 20'}, weight_per_length: {name == 'a' or 2:d}}}\n"
+            "methods: {exact: {solver: catenary_exact}}\noutputs: [sag]\n"
+        )
+        run(tmp_path / f"{name}.yaml", tmp_path / "results")
+    table = found(tmp_path / "results", "a,b")
+    parameters = ["scene", "span", "line_length", "weight_per_length"]
+    assert set(parameters) < set(table)
+    assert table[parameters].values.tolist() == [["a", 20, 30, 1], ["a", 25, 30, 1], ["b", 20, 20, 2], ["b", 20, 25, 2]]
 
 
 def test_a_pattern_asks_the_scenes_that_know_the_names(stored):
