@@ -194,14 +194,14 @@ def query(
     """
     from cablesim.database.answers import BINARY, prepare
     from cablesim.database.query import Order, Request
-    from cablesim.database.reading import open_scenes
+    from cablesim.database.reading import is_pattern, open_scenes
     from cablesim.files import written_whole
 
     if form in BINARY and output is None and sys.stdout.isatty():
         raise InputError(f"{form} is not for a terminal: name a file with --output, or redirect standard output")
     near = tuple(_pairs(nearest).items())
     request = Request(condition, _names(columns), near, tuple(Order.read(text) for text in orders), limit)
-    answer, write = prepare(open_scenes(results, scene), request, form, skipping="*" in scene or "?" in scene)
+    answer, write = prepare(open_scenes(results, scene), request, form, skipping=is_pattern(scene))
     for note in answer.notes:
         click.echo(f"note: {note}", err=True)
     if answer.left_out:

@@ -57,6 +57,8 @@ class Quantity:
 
 RAISED = str.maketrans("-123", "⁻¹²³")
 COMPONENTS = ("x", "y", "z")
+# What is measured of every scenario.
+RUN_TIME = "run_time"
 # Where along the line the tension is recorded.
 PLACES = ("anchor", "middle", "top")
 VECTOR = ("component",)

@@ -27,19 +27,16 @@ def sample(scene: Scene, layout: Layout) -> ScenePlan:
     return plan_scene(scene, layout.plans)
 
 
-def solve(plan_path: Path, shards: tuple[str, ...], folder: Path, stamp: Path | None = None) -> int:
-    """Compute shards of a plan; those that are in the folder, whole, are kept. The stamp says that all are there.
-
-    Returns how many scenarios were computed.
-    """
+def solve(plan_path: Path, shards: tuple[str, ...], folder: Path, stamp: Path | None = None) -> None:
+    """Compute shards of a plan; those that are in the folder, whole, are kept. The stamp says that all are there."""
     recipes = read_plan(plan_path).recipes
     for shard in shards:
         if shard not in recipes:
             raise InputError(f"{plan_path}: no shard '{shard}' in this plan")
-    computed = sum(_solve(recipes[shard], folder) for shard in shards)
+    for shard in shards:
+        _solve(recipes[shard], folder)
     if stamp is not None:
         write_text(stamp, "")
-    return computed
 
 
 def _solve(recipe: Recipe, folder: Path) -> int:

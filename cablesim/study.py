@@ -6,6 +6,7 @@ from pathlib import Path
 
 from cablesim.config.document import is_name, read_document
 from cablesim.config.scene import Scene, read_scene
+from cablesim.database import CATALOGUE_FILE
 from cablesim.plan import ScenePlan, plan_path
 
 
@@ -34,7 +35,7 @@ class Layout:
 
     @property
     def catalogue(self) -> Path:
-        return self.root / "catalogue.parquet"
+        return self.root / CATALOGUE_FILE
 
     @property
     def tables(self) -> Path:

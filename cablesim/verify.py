@@ -8,12 +8,12 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from cablesim import batch
+from cablesim.database.compare import relative_change
 from cablesim.database.gather import as_wide, stored_type
 from cablesim.database.reading import read_dataset, scene_paths
 from cablesim.errors import EnvironmentFault, InputError
@@ -152,19 +152,11 @@ def _compare(dataset: xr.Dataset, recipe: Recipe, points: list[_Point], verdict:
     for row, point in enumerate(points):
         stored = dataset.isel(dict(zip(dataset.status.dims, point.place, strict=True)))
         changes = [
-            _change(stored[name].values, as_wide(name, own[row : row + 1], dataset.sizes.get("section", 0))[0])
+            relative_change(stored[name].values, as_wide(name, own[row : row + 1], dataset.sizes.get("section", 0))[0])
             for name in outputs
             for own in (found.outputs[name].astype(stored_type(name)),)
         ]
-        worst = max(changes, default=0.0)
+        worst = max((float(np.max(change, initial=0.0)) for change in changes), default=0.0)
         verdict.recomputed += 1
         verdict.largest = max(verdict.largest, worst)
-        verdict.differing += int(stored.status) != int(found.status[row]) or not worst <= tolerance
-
-
-def _change(stored: Any, found: np.ndarray) -> float:
-    """The largest relative change of any number; infinite where one is a number and the other is none."""
-    same = (stored == found) | (np.isnan(stored) & np.isnan(found))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.abs(stored - found) / np.maximum(np.abs(stored), np.abs(found))
-    return float(np.max(np.where(same, 0.0, np.where(np.isnan(relative), math.inf, relative)), initial=0.0))
+        verdict.differing += int(stored.status) != int(found.status[row]) or worst > tolerance

@@ -8,10 +8,9 @@ from cablesim.config.rehearsal import METHOD, Rehearsal
 from cablesim.design import SCENARIO
 from cablesim.errors import nearest
 from cablesim.expressions import Term, parse
-from cablesim.quantities import OWN_DIMS, QUANTITIES
+from cablesim.quantities import OWN_DIMS, QUANTITIES, RUN_TIME
 from cablesim.status import Status, Verdict
 
-RUN_TIME = "run_time"
 SENSES = ("increasing", "decreasing")
 LIMIT_KEYS, MONOTONE_KEYS = ("limit", "with"), ("monotone", "along", "sense")
 # What a dataset has beside variables: dimensions, and a group of what was measured.

@@ -15,7 +15,7 @@ from cablesim.design import SCENARIO, Design
 from cablesim.errors import InputError, nearest
 from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
 from cablesim.parameters import ParameterSpec
-from cablesim.quantities import LIST, OWN_DIMS, component_names, is_list, list_name, most_sections, quantity
+from cablesim.quantities import LIST, OWN_DIMS, RUN_TIME, component_names, is_list, list_name, most_sections, quantity
 from cablesim.status import Status, Verdict
 
 METHOD = "method"
@@ -88,7 +88,7 @@ class Rehearsal:
     def answers(self) -> tuple[str, ...]:
         """The outputs, vectors and lists also by their parts, and the run time."""
         components = (name for output in self.outputs for name in component_names(output, self.sections))
-        return tuple(dict.fromkeys((*self.outputs, *components, "run_time")))
+        return tuple(dict.fromkeys((*self.outputs, *components, RUN_TIME)))
 
     @cached_property
     def _given(self) -> set[str]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 import pandas as pd
@@ -62,7 +62,7 @@ def write_table(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
 def write_csv(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     """The names of the columns, their units unless these are unwanted, and a line a scenario."""
     rows = 0
-    heads = [list(answer.columns), *([[answer.units.get(name, "") for name in answer.columns]] if units else [])]
+    heads = _heads(answer, units)
     stream.write("".join(",".join(head) + "\n" for head in heads).encode())
     for piece in answer.pieces:
         rows += len(piece)
@@ -75,8 +75,7 @@ def write_json(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     rows = 0
     stream.write(f'{{"units": {json.dumps(answer.units if units else {})}, "rows": ['.encode())
     for piece in answer.pieces:
-        finite = piece.astype(object).where(piece.notna(), None)
-        text = ", ".join(json.dumps(row) for row in finite.to_dict("records"))
+        text = ", ".join(json.dumps(row) for row in _with_none(piece).to_dict("records"))
         stream.write(f"{', ' if rows and text else ''}{text}".encode())
         rows += len(piece)
     stream.write(b"]}\n")
@@ -108,7 +107,7 @@ def write_excel(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     import openpyxl
 
     book = openpyxl.Workbook(write_only=True)
-    heads = [list(answer.columns), *([[answer.units.get(name, "") for name in answer.columns]] if units else [])]
+    heads = _heads(answer, units)
     sheet = book.create_sheet("scenarios")
     for head in heads:
         sheet.append(head)
@@ -118,7 +117,7 @@ def write_excel(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
         if rows + len(heads) > EXCEL_ROWS:
             sheet.close()
             raise InputError(f"a sheet has {EXCEL_ROWS} rows: give a limit, or ask for csv or parquet")
-        for row in piece.astype(object).where(piece.notna(), None).itertuples(index=False):
+        for row in _with_none(piece).itertuples(index=False):
             sheet.append([_unescaped(cell) for cell in row])
     book.save(stream)
     return rows
@@ -152,7 +151,18 @@ WRITERS: dict[str, Callable[[Answer, IO[bytes], bool], int]] = {
 FORMATS = (*WRITERS, "netcdf")
 
 
-def _with_unit(field: "pa.Field", units: dict[str, str]) -> "pa.Field":  # type: ignore[name-defined]  # noqa: F821
+def _heads(answer: Answer, units: bool) -> list[list[str]]:
+    """The lines above the rows: names, and units where they are wanted."""
+    names = list(answer.columns)
+    return [names, [answer.units.get(name, "") for name in names]] if units else [names]
+
+
+def _with_none(piece: pd.DataFrame) -> pd.DataFrame:
+    """With None for what is no number."""
+    return piece.astype(object).where(piece.notna(), None)
+
+
+def _with_unit(field: Any, units: dict[str, str]) -> Any:
     return field.with_metadata({"units": units[field.name]}) if field.name in units else field
 
 

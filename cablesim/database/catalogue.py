@@ -13,13 +13,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.collect import TIMED
-from cablesim.database.gather import RUN_TIME
-from cablesim.database.reading import flag_words, read_dataset, scene_paths, with_components
+from cablesim.database import CATALOGUE_FILE
+from cablesim.database.collect import MEASURED_NAMES
+from cablesim.database.reading import flag_words, of_scenarios, open_dataset, scene_paths, with_components
 from cablesim.files import recorded_digest, written_whole
 from cablesim.status import SENTENCES, Status
 
-FILE = "catalogue.parquet"
 COLUMNS = ("scene", "kind", "name", "unit", "lowest", "highest", "number", "meaning", "digest")
 
 
@@ -31,18 +30,21 @@ def catalogue(results: Path) -> pd.DataFrame:
     Raises InputError where there is no such folder.
     """
     paths = scene_paths(results)
-    known = _stored(results / FILE)
+    known = _stored(results / CATALOGUE_FILE)
     tables = []
     for scene, path in paths.items():
         digest = recorded_digest(path)
-        kept = known.get((scene, digest)) if digest else None
-        tables.append(kept if kept is not None else describe(scene, read_dataset(path), digest))
+        if digest and (scene, digest) in known:
+            tables.append(known[scene, digest])
+        else:
+            with open_dataset(path, cache=False) as dataset:
+                tables.append(describe(scene, dataset, digest))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
 
 
 def write_catalogue(results: Path) -> None:
     """Write the catalogue of a folder, whole."""
-    with written_whole(results / FILE) as temporary:
+    with written_whole(results / CATALOGUE_FILE) as temporary:
         catalogue(results).to_parquet(temporary, index=False)
 
 
@@ -75,9 +77,8 @@ def _method(dataset: xr.Dataset, scene: str, method: str) -> tuple[Any, ...]:
 
 def _parameters(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
     """Coordinates that tell scenarios apart, or are the same in all; parts of vectors and lists by themselves."""
-    scenario_dims = set(dataset.status.dims)
     for name, values in with_components(dataset.drop_vars(dataset.data_vars)).coords.items():
-        if set(values.dims) <= scenario_dims and name != "method":
+        if of_scenarios(values, dataset) and name != "method":
             yield values
 
 
@@ -96,7 +97,7 @@ def _output(dataset: xr.Dataset, scene: str, name: str) -> tuple[Any, ...]:
     values = dataset[name]
     own = [dim for dim in values.dims if dim not in dataset.status.dims]
     lowest, highest = values.attrs.get("actual_range", (np.nan, np.nan))
-    kind = "measured" if name in (RUN_TIME, *TIMED) else "output"
+    kind = "measured" if name in MEASURED_NAMES else "output"
     number = int(np.prod([values.sizes[dim] for dim in own]))
     meaning = values.attrs.get("long_name", "") + (f" (over {', '.join(map(str, own))})" if own else "")
     return scene, kind, name, values.attrs.get("units", ""), float(lowest), float(highest), number, meaning

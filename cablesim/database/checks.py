@@ -22,9 +22,7 @@ def check_flags(check: Check, dataset: xr.Dataset) -> xr.DataArray:
     holds, known = _limit(check, parts) if isinstance(check, Limit) else _monotone(check, parts)
     known = known & _solved(dataset)
     flags = np.where(known, np.where(holds, Verdict.passed, Verdict.failed), Verdict.unknown).astype(np.int8)
-    return xr.DataArray(
-        flags, dataset.status.coords, dataset.status.dims, check.name, flag_attributes(Verdict, check.words)
-    )
+    return xr.DataArray(flags, dataset.status.coords, dataset.status.dims, check.name, check_attributes(check))
 
 
 def check_attributes(check: Check) -> dict[str, Any]:

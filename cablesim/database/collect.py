@@ -16,13 +16,13 @@ import xarray as xr
 from cablesim.config.check_file import Check, Monotone
 from cablesim.config.scene import Scene
 from cablesim.database.checks import check_attributes, check_flags
-from cablesim.database.gather import RUN_TIME, Arrays, Part, Shards, gather, own_dims, own_shape, parts, stored_type
+from cablesim.database.gather import Arrays, Part, Shards, gather, own_dims, own_shape, parts, stored_type
 from cablesim.database.labels import attributes_of, coordinates, provenance
 from cablesim.database.shard_file import STORAGE, chunk_sizes, small_chunk_cache
 from cablesim.database.timing import MEASURED, THREADS, Timing, Timings
 from cablesim.files import Checked, check, enter_in_ledger, written_whole
 from cablesim.plan import ScenePlan
-from cablesim.quantities import QUANTITIES
+from cablesim.quantities import QUANTITIES, RUN_TIME
 
 # Scenarios of a slab that is checked at once.
 SLAB = 2**20
@@ -34,6 +34,7 @@ TIMED: dict[str, Callable[[Timing], float]] = {
     "first_call_time": lambda timing: timing.first_call,
     "repeats": lambda timing: float(len(timing.runs)),
 }
+MEASURED_NAMES = (RUN_TIME, *TIMED)
 
 
 def collect(
@@ -45,8 +46,10 @@ def collect(
     """
     shards = Shards(folder, {digest: check(folder / f"{digest}.nc") for digest in plan.recipes})
     with written_whole(path) as temporary:
-        _write_coordinates(temporary, scene, provenance(scene, plan.digest, revision))
+        given = coordinates(scene)
+        _write_coordinates(temporary, given, provenance(scene, plan.digest, revision))
         with small_chunk_cache(), netCDF4.Dataset(temporary, "a") as file:
+            _name_coordinates(file, given, _create_answers(file, scene))
             _write_values(file, scene, plan, shards, timings)
         _write_checks(temporary, scene)
     lost = {shards.path(digest): checked for digest, checked in shards.checked.items() if not checked.whole}
@@ -54,20 +57,28 @@ def collect(
     return lost
 
 
-def _write_coordinates(path: Path, scene: Scene, attributes: dict[str, Any]) -> None:
+def _write_coordinates(path: Path, given: dict[str, Any], attributes: dict[str, Any]) -> None:
     """The file with all that is not answered. Written as variables: `coordinates` says later whose they are."""
-    dataset = xr.Dataset(coords=coordinates(scene), attrs=attributes).reset_coords()
+    dataset = xr.Dataset(coords=given, attrs=attributes).reset_coords()
     dataset.to_netcdf(path, engine="netcdf4", encoding={str(n): _encoding(n, v) for n, v in dataset.variables.items()})
 
 
-def _write_values(file: Any, scene: Scene, plan: ScenePlan, shards: Shards, timings: Timings | None) -> None:
+def _answers(scene: Scene) -> tuple[str, ...]:
+    """What is stored of every scenario, but for checks and what is measured."""
     counted = ("iterations",) if any(method.solver.iterates for method in scene.methods) else ()
-    stored = (*scene.outputs, "status", *counted)
+    return (*scene.outputs, "status", *counted)
+
+
+def _create_answers(file: Any, scene: Scene) -> list[Any]:
+    """Empty variables for all that is answered, and for the flags of checks."""
     flags = [_create(file, scene, one.name, np.dtype(np.int8), check_attributes(one)) for one in scene.checks]
-    _name_coordinates(file, scene, [*(_create_known(file, scene, name) for name in stored), *flags])
+    return [*(_create_known(file, scene, name) for name in _answers(scene)), *flags]
+
+
+def _write_values(file: Any, scene: Scene, plan: ScenePlan, shards: Shards, timings: Timings | None) -> None:
     measured = _create_measured(file, scene, timings)
     ranges: dict[str, list[float]] = {}
-    for part in parts(scene, (*stored, RUN_TIME)):
+    for part in parts(scene, (*_answers(scene), RUN_TIME)):
         values = gather(scene, plan, part, shards)
         _use_timings(values, scene, part, timings)
         for name, array in values.items():
@@ -149,14 +160,14 @@ def _use_timings(values: Arrays, scene: Scene, part: Part, timings: Timings | No
         values[RUN_TIME][...] = timed.median
 
 
-def _name_coordinates(file: Any, scene: Scene, variables: list[Any]) -> None:
+def _name_coordinates(file: Any, given: dict[str, Any], variables: list[Any]) -> None:
     """Say, as CF does, which variables are coordinates of which; those of none are told in the file's attributes.
 
     Words are named even where they have the name of a dimension: to CF only numbers are coordinates by their name.
     """
     others = {
         name: {dims} if isinstance(dims, str) else set(dims)
-        for name, (dims, values, _) in coordinates(scene).items()
+        for name, (dims, values, _) in given.items()
         if name not in file.dimensions or values.dtype.kind == "U"
     }
     for variable in variables:

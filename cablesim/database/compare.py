@@ -16,13 +16,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.collect import TIMED
-from cablesim.database.gather import RUN_TIME
+from cablesim.database.collect import MEASURED_NAMES
 from cablesim.database.matching import Match, OtherDesignError, match
 from cablesim.database.reading import flag_words, read_dataset, running_numbers, scene_paths, with_components, written
 from cablesim.database.scan import Points, Selection, blocks, read
 
-MEASURED_NAMES = {RUN_TIME, *TIMED}
 COLUMNS = (
     "scene",
     "output",
@@ -62,6 +60,14 @@ def compare(results_a: Path, results_b: Path, tolerance: float = 0.0) -> pd.Data
     return table
 
 
+def relative_change(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The change of each number relative to the larger of both; infinite where only one of them is a number."""
+    same = (a == b) | (np.isnan(a) & np.isnan(b))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.abs(b - a) / np.maximum(np.abs(a), np.abs(b))
+    return np.where(same, 0.0, np.where(np.isnan(relative), math.inf, relative))
+
+
 @dataclass
 class _Change:
     """How an output has changed so far: how often, and the largest change and its place in A."""
@@ -81,7 +87,7 @@ def _compare_scene(a: xr.Dataset, b: xr.Dataset, tolerance: float) -> Iterator[d
         yield {"output": str(reason), "differs": True}
         return
     shared = {"in both": matched.both, "removed": matched.removed, "added": matched.added}
-    for output in sorted({str(name) for name in (*a.data_vars, *b.data_vars)} - MEASURED_NAMES):
+    for output in sorted({str(name) for name in (*a.data_vars, *b.data_vars)} - {*MEASURED_NAMES}):
         lacking = _lacking(a, b, output)
         if lacking:
             yield {**shared, "output": f"{output} ({lacking})", "differs": True}
@@ -150,21 +156,18 @@ def _count(a: np.ndarray, b: np.ndarray, words: tuple[tuple[str, ...], tuple[str
 def _measure(a: np.ndarray, b: np.ndarray, tolerance: float, points: Points, change: _Change) -> None:
     """How much numbers have changed, and where most; a number that became none, or none a number, is a change."""
     a, b = a.astype(float), b.astype(float)
-    same = (a == b) | (np.isnan(a) & np.isnan(b))
-    if same.all():
+    relative = relative_change(a, b)
+    if not relative.any():
         return
-    with np.errstate(divide="ignore", invalid="ignore"):
-        absolute = np.where(same, 0.0, np.abs(b - a))
-        relative = np.where(same, 0.0, absolute / np.maximum(np.abs(a), np.abs(b)))
     scenario = tuple(range(len(points), a.ndim))
-    change.beyond += int((~same & ~(relative <= tolerance)).any(axis=scenario).sum())
+    change.beyond += int((relative > tolerance).any(axis=scenario).sum())
+    with np.errstate(invalid="ignore"):
+        absolute = np.where(relative == 0.0, 0.0, np.abs(b - a))
     change.largest = max(change.largest, float(np.nanmax(absolute, initial=0.0)))
-    # Where a number became none, the change is as large as any, and has no size.
-    ranked = np.where(np.isnan(relative), math.inf, relative)
-    if not change.place or float(ranked.max()) > change.relative:
-        at = np.unravel_index(int(ranked.argmax()), ranked.shape)
+    if not change.place or float(relative.max()) > change.relative:
+        at = np.unravel_index(int(relative.argmax()), relative.shape)
         change.place = {dim: int(own[i]) for (dim, own), i in zip(points.items(), at, strict=False)}
-        change.relative = float(ranked.max())
+        change.relative = float(relative.max())
 
 
 def _told(a: xr.Dataset, output: str, change: _Change) -> dict[str, Any]:

@@ -16,12 +16,11 @@ from cablesim.config.scene import Scene
 from cablesim.database.shard_file import CHUNK, read_shard
 from cablesim.files import Checked
 from cablesim.plan import ScenePlan
-from cablesim.quantities import COMPONENTS, LIST, PLACES, QUANTITIES
+from cablesim.quantities import COMPONENTS, LIST, PLACES, QUANTITIES, RUN_TIME
 from cablesim.shards import Placement
 from cablesim.status import Status
 
 NOT_COUNTED = -1
-RUN_TIME = "run_time"
 # What a variable is where nothing was computed, if that is not NaN; and how it is stored, if not as its quantity is.
 BLANK = {"status": int(Status.not_run), "iterations": NOT_COUNTED}
 STORED: dict[str, np.dtype] = {

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.reading import running_numbers
+from cablesim.database.reading import of_scenarios, running_numbers
 from cablesim.database.scan import Points
 
 
@@ -47,8 +47,7 @@ def match(a: xr.Dataset, b: xr.Dataset) -> Match:
 
 def _keys(dataset: xr.Dataset) -> set[str]:
     """What identifies a scenario: its method and parameters, not its running number."""
-    scenario_dims = set(dataset.status.dims)
-    return {str(name) for name in dataset.coords if set(dataset[name].dims) <= scenario_dims} - running_numbers(dataset)
+    return {str(n) for n, values in dataset.coords.items() if of_scenarios(values, dataset)} - running_numbers(dataset)
 
 
 def _points(dataset: xr.Dataset, dim: str, names: list[str]) -> pd.DataFrame:

@@ -17,8 +17,7 @@ import xarray as xr
 
 from cablesim.database.catalogue import catalogue
 from cablesim.database.query import Answer, Order, Request, ask
-from cablesim.database.reading import open_file, open_scenes, scene_paths
-from cablesim.errors import EnvironmentFault, InputError, nearest
+from cablesim.database.reading import is_pattern, open_dataset, open_scenes, scene_path, scene_paths
 
 
 class OpenedStudy(Mapping[str, xr.Dataset]):
@@ -33,14 +32,7 @@ class OpenedStudy(Mapping[str, xr.Dataset]):
 
         Raises InputError, with the nearest names, for an unknown scene; EnvironmentFault for an unreadable file.
         """
-        if scene not in self._paths:
-            raise InputError(f"{self.results}: no scene '{scene}': {nearest(scene, self._paths)}")
-        path = self._paths[scene]
-        try:
-            dataset, measured = open_file(path, chunks={})
-        except (OSError, KeyError, ValueError, RuntimeError) as problem:
-            raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
-        return dataset.assign(measured.variables).assign_attrs(measured.attrs)
+        return open_dataset(scene_path(self.results, scene), chunks={})
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._paths)
@@ -71,7 +63,7 @@ class OpenedStudy(Mapping[str, xr.Dataset]):
         orders = (order_by,) if isinstance(order_by, str) else tuple(order_by)
         near = tuple((name, str(value)) for name, value in (nearest or {}).items())
         request = Request(condition, tuple(columns), near, tuple(Order.read(text) for text in orders), limit)
-        answer: Answer = ask(open_scenes(self.results, scene), request, skipping="*" in scene or "?" in scene)
+        answer: Answer = ask(open_scenes(self.results, scene), request, skipping=is_pattern(scene))
         for note in answer.notes:
             warnings.warn(note, stacklevel=2)
         table = answer.table()

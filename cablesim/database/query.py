@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.reading import flag_words, with_components
+from cablesim.database.reading import flag_words, of_scenarios, with_components
 from cablesim.database.scan import (
     Points,
     Selection,
@@ -151,8 +151,7 @@ def _prepared(name: str, dataset: xr.Dataset, request: Request) -> _Asked:
 
 def _known(dataset: xr.Dataset) -> list[str]:
     """What has one value a scenario: parameters first, then what was answered."""
-    scenario_dims = set(dataset.status.dims)
-    return [str(n) for n in (*dataset.coords, *dataset.data_vars) if set(dataset[n].dims) <= scenario_dims]
+    return [str(n) for n in (*dataset.coords, *dataset.data_vars) if of_scenarios(dataset[n], dataset)]
 
 
 def _common(asked: list[_Asked]) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """Open what a study has made, and give its names a meaning in formulas and conditions."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -29,15 +30,24 @@ def scene_paths(results: Path) -> dict[str, Path]:
     return {path.stem: path for path in sorted(results.glob("*.nc")) if is_name(path.stem)}
 
 
+def scene_path(results: Path, scene: str) -> Path:
+    """The dataset of a scene. Raises InputError, with the nearest names, for an unknown one."""
+    paths = scene_paths(results)
+    if scene not in paths:
+        raise _no_scene(results, scene, paths)
+    return paths[scene]
+
+
+def _no_scene(results: Path, scene: str, known: Iterable[str]) -> InputError:
+    return InputError(f"{results}: no scene '{scene}': {nearest(scene, known)}")
+
+
 def open_scene(results: Path, scene: str) -> xr.Dataset:
     """A scene's dataset, the measured run time beside the rest.
 
     Raises InputError, with the nearest names, for an unknown scene; EnvironmentFault for a file that cannot be read.
     """
-    paths = scene_paths(results)
-    if scene not in paths:
-        raise InputError(f"{results}: no scene '{scene}': {nearest(scene, paths)}")
-    return read_dataset(paths[scene])
+    return read_dataset(scene_path(results, scene))
 
 
 def open_scenes(results: Path, names: str) -> dict[str, xr.Dataset]:
@@ -50,34 +60,55 @@ def open_scenes(results: Path, names: str) -> dict[str, xr.Dataset]:
     for name in names.split(","):
         fitting = {scene: path for scene, path in paths.items() if fnmatchcase(scene, name.strip())}
         if not fitting:
-            raise InputError(f"{results}: no scene '{name.strip()}': {nearest(name, paths)}")
+            raise _no_scene(results, name.strip(), paths)
         chosen |= fitting
     return {scene: read_dataset(path) for scene, path in chosen.items()}
 
 
-def open_file(path: Path, **options: Any) -> tuple[xr.Dataset, xr.Dataset]:
-    """A dataset file and its group of measured values, lazily."""
-    with small_chunk_cache():
+def is_pattern(names: str) -> bool:
+    """Whether scenes are asked for by a pattern."""
+    return "*" in names or "?" in names
+
+
+def open_dataset(path: Path, **options: Any) -> xr.Dataset:
+    """A dataset file and its group of measured values as one lazy dataset, with the attributes of both.
+
+    Raises EnvironmentFault for a file that cannot be read.
+    """
+    with _readable(path), small_chunk_cache():
         dataset, measured = (
             xr.open_dataset(path, engine="netcdf4", group=group, **options) for group in (None, MEASURED)
         )
-    return dataset, measured
+    whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
+
+    def close() -> None:
+        dataset.close()
+        measured.close()
+
+    whole.set_close(close)
+    return whole
+
+
+@contextmanager
+def _readable(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except (OSError, KeyError, ValueError, RuntimeError) as problem:
+        raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
 
 
 def read_dataset(path: Path) -> xr.Dataset:
-    """A dataset file and its group of measured values as one dataset, with the attributes of both.
+    """The same, in memory if it is small; of a large one each variable is read when it is asked for, and not kept."""
+    whole = open_dataset(path, cache=False)
+    if whole.nbytes > MOST_BYTES:
+        return whole
+    with _readable(path), whole:
+        return whole.load()
 
-    A small one is in memory; of a large one each variable is read when it is asked for, and not kept.
-    """
-    try:
-        dataset, measured = open_file(path, cache=False)
-        whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
-        if whole.nbytes > MOST_BYTES:
-            return whole
-        with dataset, measured:
-            return whole.load()
-    except (OSError, KeyError, ValueError, RuntimeError) as problem:
-        raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
+
+def of_scenarios(values: xr.DataArray, dataset: xr.Dataset) -> bool:
+    """Whether values are one for each scenario, or for scenarios along some dimensions, or for all."""
+    return set(values.dims) <= set(dataset.status.dims)
 
 
 def of_method(values: xr.DataArray, method: str) -> xr.DataArray:

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from cablesim import units
-from cablesim.database.reading import name_is_unknown, scene_lookup
+from cablesim.database.reading import name_is_unknown, of_scenarios, scene_lookup
 from cablesim.database.shard_file import chunk_sizes
 from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.expressions import WORDS, Expression, Lookup, Term, UnknownName, parse
@@ -32,10 +32,6 @@ class Selection:
     points: Points
     conditions: tuple[Expression, ...] = ()
     notes: tuple[str, ...] = ()
-
-    @property
-    def empty(self) -> bool:
-        return any(points.size == 0 for points in self.points.values())
 
 
 def narrow(dataset: xr.Dataset, condition: str | None, near: tuple[tuple[str, str], ...] = ()) -> Selection:
@@ -199,15 +195,11 @@ def _nearest(dataset: xr.Dataset, near: tuple[tuple[str, str], ...], selection: 
 
 def _parameter(dataset: xr.Dataset, name: str) -> xr.DataArray:
     known = [
-        str(n) for n, v in dataset.coords.items() if v.dtype.kind in "fi" and v.ndim < 2 and _of_scenarios(v, dataset)
+        str(n) for n, v in dataset.coords.items() if v.dtype.kind in "fi" and v.ndim < 2 and of_scenarios(v, dataset)
     ]
     if name not in known:
         raise InputError(f"nearest {name}: no such parameter: {nearest(name, known)}")
     return dataset[name]
-
-
-def _of_scenarios(values: xr.DataArray, dataset: xr.Dataset) -> bool:
-    return set(values.dims) <= set(dataset.status.dims)
 
 
 def as_values(term: Term) -> Any:

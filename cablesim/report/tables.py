@@ -8,8 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.config.scene import Scene
-from cablesim.database.collect import TIMED
-from cablesim.database.gather import RUN_TIME
+from cablesim.database.collect import MEASURED_NAMES
 from cablesim.database.reading import (
     flag_words,
     magnitude,
@@ -76,7 +75,7 @@ def value_table(dataset: xr.Dataset) -> pd.DataFrame:
 
 def _scalars(dataset: xr.Dataset) -> list[str]:
     """The outputs that are one number per scenario."""
-    others = {*_flags(dataset), "iterations", RUN_TIME, *TIMED}
+    others = {*_flags(dataset), "iterations", *MEASURED_NAMES}
     return [str(n) for n in dataset.data_vars if n not in others and dataset[n].dims == dataset.status.dims]
 
 

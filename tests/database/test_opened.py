@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 
 from cablesim import open_study
-from cablesim.database.catalogue import FILE, catalogue, write_catalogue
+from cablesim.database import CATALOGUE_FILE
+from cablesim.database.catalogue import catalogue, write_catalogue
 from cablesim.database.reading import read_dataset
 from cablesim.errors import EnvironmentFault, InputError
 from cablesim.files import discard
@@ -61,22 +62,24 @@ def test_the_catalogue_tells_what_the_datasets_hold(stored):
 
 def test_the_catalogue_is_kept_in_one_file_and_can_be_rebuilt(copy):
     written = catalogue(copy)
-    pd.testing.assert_frame_equal(pd.read_parquet(copy / FILE), written)
-    (copy / FILE).unlink()
+    pd.testing.assert_frame_equal(pd.read_parquet(copy / CATALOGUE_FILE), written)
+    (copy / CATALOGUE_FILE).unlink()
     pd.testing.assert_frame_equal(catalogue(copy), written)
-    assert not (copy / FILE).exists()
-    (copy / FILE).write_bytes(b"damaged")
+    assert not (copy / CATALOGUE_FILE).exists()
+    (copy / CATALOGUE_FILE).write_bytes(b"damaged")
     pd.testing.assert_frame_equal(catalogue(copy), written)
     write_catalogue(copy)
-    pd.testing.assert_frame_equal(pd.read_parquet(copy / FILE), written)
+    pd.testing.assert_frame_equal(pd.read_parquet(copy / CATALOGUE_FILE), written)
 
 
 def test_a_catalogue_that_is_out_of_date_is_not_believed(copy):
     known = catalogue(copy)
     stale = known.assign(number=known.number + 1)
-    stale.to_parquet(copy / FILE)
+    stale.to_parquet(copy / CATALOGUE_FILE)
     assert (catalogue(copy).number == stale.number).all()
-    stale.assign(digest=np.where(stale.scene == "spans", "of another file", stale.digest)).to_parquet(copy / FILE)
+    stale.assign(digest=np.where(stale.scene == "spans", "of another file", stale.digest)).to_parquet(
+        copy / CATALOGUE_FILE
+    )
     found = catalogue(copy)
     pd.testing.assert_frame_equal(found[found.scene == "spans"], known[known.scene == "spans"])
     discard(copy / "spans.nc")
