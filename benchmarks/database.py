@@ -6,7 +6,6 @@ route is what people do without a database: all scenarios in one CSV file, read 
 
 import argparse
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -14,11 +13,11 @@ import tempfile
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
-from time import perf_counter
 
-from measure import markdown, revision
+from measure import markdown, measure, revision
 
 from cablesim.machine import machine
+from workflow import run_workflow
 
 PROJECT = Path(__file__).resolve().parents[1]
 STUDY, NAME = "benchmark", "spans"
@@ -92,16 +91,6 @@ def make_study(folder: Path, scale: float) -> None:
     (folder / "config" / "config.yaml").write_text(f"study: {STUDY}\nscenes: [{NAME}]\n")
 
 
-def run(command: list[str], folder: Path) -> float:
-    """Seconds of a command, with this Python first on the path."""
-    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
-    start = perf_counter()
-    done = subprocess.run(command, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True)
-    if done.returncode:
-        sys.exit(f"{done.stdout}{done.stderr}")
-    return perf_counter() - start
-
-
 def ask(opening: str, question: str, folder: Path, repeats: int) -> dict[str, float]:
     """Medians of what processes of their own tell of a question."""
     script = ASKED.format(opening=opening, question=question)
@@ -132,11 +121,11 @@ def main() -> None:
         folder = Path(temporary)
         make_study(folder, arguments.scale)
         print(f"{machine('numpy', 'pandas', 'xarray', 'netCDF4')}; sources at revision {revision()}\n")
-        seconds = run([sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default"], folder)
+        seconds = measure(lambda: run_workflow(folder)).wall
         peak = getrusage(RUSAGE_CHILDREN).ru_maxrss * 1024
         results, csv = folder / "results" / STUDY, folder / "all.csv"
         export = ["-m", "cablesim", "query", str(results), NAME, "--format", "csv", "--no-units", "--output", str(csv)]
-        exported = run([sys.executable, *export], folder)
+        exported = measure(lambda: subprocess.run([sys.executable, *export], check=True)).wall
         print(f"- the study, from nothing: {seconds:.0f} s, {mebibytes(peak)} MiB in its largest process")
         print(f"- dataset {size_of(results / f'{NAME}.nc'):.0f} MB, shards {size_of(results / 'shards'):.0f} MB")
         print(f"- CSV of all scenarios: {size_of(csv):.0f} MB, written by `cablesim query` in {exported:.0f} s")

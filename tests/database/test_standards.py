@@ -16,6 +16,15 @@ from cablesim.database.shard_file import STORAGE
 from cablesim.database.timing import MEASURED
 from tests.database.conftest import run
 
+IN_A_STREAM = """fixed:
+  line_length: 50 m
+  weight_per_length: 2 N/m
+  diameter: 10 mm
+  normal_drag_coefficient: 1.2
+  tangential_drag_coefficient: 0.02
+  fluid_density: 1025
+  stream_speed: 1 m/s
+"""
 SCENES = {
     "words": """
 title: Words, angles and flags
@@ -37,15 +46,9 @@ outputs: [sag, max_tension, profile]
     "vectors": """
 title: Vectors, given and answered
 design: {cases: [{force_A: [0, 0, 100]}, {force_A: [5, 1, 80]}]}
-fixed:
-  line_length: 50 m
-  weight_per_length: 2 N/m
-  diameter: 10 mm
-  normal_drag_coefficient: 1.2
-  tangential_drag_coefficient: 0.02
-  fluid_density: 1025
-  stream_speed: 1 m/s
-methods: {stepped: {solver: stream_line}}
+"""
+    + IN_A_STREAM
+    + """methods: {stepped: {solver: stream_line}}
 outputs: [position_B, tension_B, steps]
 """,
     "lists": """
@@ -61,15 +64,9 @@ design:
   grid:
     friction_law: [cosine_squared, zero, constant]
     force_A: [[0, 0, 100], [5, 0, 80]]
-fixed:
-  line_length: 50 m
-  weight_per_length: 2 N/m
-  diameter: 10 mm
-  normal_drag_coefficient: 1.2
-  tangential_drag_coefficient: 0.02
-  fluid_density: 1025
-  stream_speed: 1 m/s
-methods: {pode: {solver: pode_line, options: {nodes: 5}}}
+"""
+    + IN_A_STREAM
+    + """methods: {pode: {solver: pode_line, options: {nodes: 5}}}
 outputs: [position_B, tension_B, profile_tension]
 """,
     "sample": """
