@@ -2,6 +2,9 @@
 PYTHON ?= python3
 BIN := .venv/bin
 LOCKED := $(BIN)/python -m pip install --quiet --require-hashes --requirement
+# Packages by themselves, that go with all the others.
+BESIDE := uv pip compile --quiet --universal --generate-hashes --no-header --no-deps \
+  --constraint requirements-test.lock - --output-file
 SELF := $(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 
 .PHONY: study test bench hunt lock references clean
@@ -43,8 +46,9 @@ lock:  ## Resolve the dependencies anew (needs uv).
 	  pyproject.toml --output-file requirements.lock
 	uv pip compile --quiet --universal --generate-hashes --no-header --extra build --extra test \
 	  --constraint requirements.lock pyproject.toml --output-file requirements-test.lock
-	echo "moordyn moorpy" | tr ' ' '\n' | uv pip compile --quiet --universal --generate-hashes --no-header --no-deps \
-	  --constraint requirements-test.lock - --output-file requirements-peers.lock
+	echo "moordyn moorpy" | tr ' ' '\n' | $(BESIDE) requirements-peers.lock
+	echo "dask-jobqueue snakemake-executor-plugin-slurm snakemake-executor-plugin-slurm-jobstep" | tr ' ' '\n' \
+	  | $(BESIDE) requirements-slurm.lock
 
 .venv/study: requirements.lock pyproject.toml
 	test -d .venv || $(PYTHON) -m venv .venv
@@ -54,6 +58,11 @@ lock:  ## Resolve the dependencies anew (needs uv).
 
 .venv/test: requirements-test.lock .venv/study
 	$(LOCKED) requirements-test.lock
+	touch $@
+
+# What a study needs to run on a cluster with Slurm: only there, because every start of Snakemake looks for executors.
+.venv/slurm: requirements-slurm.lock .venv/study
+	$(LOCKED) requirements-slurm.lock --no-deps
 	touch $@
 
 # Other people's programs to compare with, where they can be had: without them their methods are `unavailable`.
