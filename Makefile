@@ -7,7 +7,7 @@ BESIDE := uv pip compile --quiet --universal --generate-hashes --no-header --no-
   --constraint requirements-test.lock - --output-file
 SELF := $(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 
-.PHONY: study test bench hunt lock references clean
+.PHONY: study test bench faults hunt lock references clean
 
 study: .venv/peers  ## Compute the default study into results/default/.
 	$(BIN)/snakemake --workflow-profile workflow/profiles/default
@@ -29,6 +29,9 @@ bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python -m benchmarks.two_point_check
 	$(BIN)/python benchmarks/wave_peers.py
 	$(BIN)/python benchmarks/wave_lines.py
+
+faults: .venv/test  ## Inject every fault many times and write docs/faults.md: an hour.
+	$(BIN)/python -m tests.faults
 
 hunt: .venv/study  ## Hunt for answers that are wrong without saying so: a million scenarios, hours.
 	$(BIN)/cablesim hunt --scenarios 1000000
