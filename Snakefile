@@ -12,6 +12,7 @@ from cablesim.workflow import plan_study
 study = plan_study(
     (workflow.configfiles or [Path("config/config.yaml")])[-1],
     checking=workflow.is_main_process,
+    holding=workflow.is_main_process and not workflow.dryrun,
 )
 
 

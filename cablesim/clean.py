@@ -3,18 +3,16 @@
 They are kept as long as nobody asks for their removal, because going back to an earlier scene then computes nothing.
 """
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from cablesim.config.scene import Scene
-from cablesim.errors import EnvironmentFault
-from cablesim.files import discard, ledger
+from cablesim.files import discard, ledger, parts
+from cablesim.held import held
 from cablesim.plan import make_plan
 from cablesim.study import Layout
 
-LOCKS = Path(".snakemake") / "locks"
 PLAN, SHARD, PART = "plan of an earlier scene or code", "superseded shard", "left by a job that was killed"
 
 
@@ -30,7 +28,8 @@ class Leftover:
 
 def leftovers(scenes: tuple[Scene, ...], layout: Layout) -> list[Leftover]:
     """The files of these scenes that nothing needs, plans first; other scenes in the folder are not looked at."""
-    return [*(found for scene in scenes for found in _of_scene(scene, layout)), *_parts(layout)]
+    left = [Leftover(path, "", PART, _size(path)) for path in parts(layout.root)]
+    return [*(found for scene in scenes for found in _of_scene(scene, layout)), *left]
 
 
 def strangers(scenes: tuple[Scene, ...], layout: Layout) -> list[str]:
@@ -39,15 +38,14 @@ def strangers(scenes: tuple[Scene, ...], layout: Layout) -> list[str]:
     return sorted(path.name for path in layout.root.glob("shards/*") if path.is_dir() and path.name not in known)
 
 
-def remove(found: list[Leftover]) -> None:
-    """Remove files. Raises EnvironmentFault where a study may be running here.
+def remove(found: list[Leftover], layout: Layout) -> None:
+    """Remove files. Raises EnvironmentFault where a study is running here.
 
     Plans go first: an earlier plan without its shards would make a later one ask for them again.
     """
-    if LOCKS.is_dir() and any(LOCKS.iterdir()):
-        raise EnvironmentFault(f"{LOCKS}: a study seems to be running here; remove nothing before it has ended")
-    for leftover in sorted(found, key=lambda one: one.what != PLAN):
-        discard(leftover.path)
+    with held(layout.root):
+        for leftover in sorted(found, key=lambda one: one.what != PLAN):
+            discard(leftover.path)
 
 
 def _of_scene(scene: Scene, layout: Layout) -> Iterator[Leftover]:
@@ -58,24 +56,6 @@ def _of_scene(scene: Scene, layout: Layout) -> Iterator[Leftover]:
     for path in sorted(layout.shards(scene.name).glob("*.nc")):
         if path.stem not in plan.recipes:
             yield Leftover(path, scene.name, SHARD, _size(path))
-
-
-def _parts(layout: Layout) -> Iterator[Leftover]:
-    """Temporary files of processes that are no more."""
-    for path in sorted(layout.root.rglob(".*.part")):
-        process = path.name.split(".")[-2]
-        if not (process.isdigit() and _alive(int(process))):
-            yield Leftover(path, "", PART, _size(path))
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        pass
-    return True
 
 
 def _size(path: Path) -> int:

@@ -105,14 +105,39 @@ def check(scene: Path) -> None:
 def run(scene: Path, out: Path | None) -> int:
     """Run a SCENE without Snakemake; the same files result."""
     from cablesim.config.scene import read_scene
+    from cablesim.held import held
     from cablesim.steps import run_scene
     from cablesim.study import Layout
 
     read = read_scene(scene)
     layout = Layout(out if out is not None else Path("results") / read.name)
-    plan, computed = run_scene(read, layout, _progress)
+    with held(layout.root):
+        plan, computed = run_scene(read, layout, _progress)
     click.echo(f"{computed} scenarios computed, {plan.scenarios - computed} were there", err=True)
     return _tell_fates(read, layout.dataset(read.name))
+
+
+@cli.command()
+@click.argument("config", type=click.Path(path_type=Path), default=Path("config/config.yaml"))
+@click.option("--profile", default="default", show_default=True, help="How to run it: a folder in workflow/profiles.")
+@click.option("--cores", metavar="N", help="Cores to use, or 'all' (default: what the profile says).")
+@click.option("--dry-run", is_flag=True, help="Only tell what would be done.")
+def study(config: Path, profile: str, cores: str | None, dry_run: bool) -> int:
+    """Run a study, or finish it after whatever interruption: CONFIG is config/config.yaml if none is given.
+
+    What is computed already is kept. Exit code 0: all is solved, 1: scenarios are flagged.
+    """
+    from cablesim.launch import run_study
+    from cablesim.report.fates import fates
+    from cablesim.status import Status
+
+    planned = run_study(config, profile, cores, dry_run)
+    if dry_run:
+        return 0
+    table = fates(Path(planned.results), [scene.name for scene in planned.scenes])
+    click.echo(f"{planned.results}: {len(planned.scenes)} scenes, {table['scenarios'].sum()} scenarios")
+    click.echo(table.to_markdown(index=False))
+    return 0 if set(table["status"]) <= {Status.ok.name} else EXIT_FLAGGED
 
 
 @cli.command()
@@ -281,7 +306,7 @@ def clean(config: Path, out: Path | None, remove: bool) -> None:
     if others:
         click.echo(f"not in {config}, and left alone: {', '.join(others)}", err=True)
     if remove:
-        cleaning.remove(found)
+        cleaning.remove(found, layout)
     told = "removed" if remove else "may be removed with --remove"
     click.echo(f"{len(found)} files {told}" if found else "nothing is left over")
 
@@ -393,36 +418,44 @@ _scene_step("figures", "Draw the figures of a SCENE.")
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code; no error of the user's or the machine's shows a traceback."""
+    given = sys.argv[1:] if arguments is None else arguments
+    message, code = _end(given)
+    if message:
+        # What the study that this step belongs to looks for.
+        told = f" (exit code {code})" if given[:1] == ["step"] else ""
+        click.echo(f"cablesim: {_one_line(message)}{told}", err=True)
+    return code
+
+
+def _end(arguments: list[str]) -> tuple[str, int]:
+    """What there is to complain of, and the exit code."""
     try:
-        return cli.main(arguments, prog_name="cablesim", standalone_mode=False) or 0
+        return "", cli.main(arguments, prog_name="cablesim", standalone_mode=False) or 0
     except click.exceptions.NoArgsIsHelpError as problem:
-        return _complain(f"a command is missing: '{problem.ctx.command_path} --help' lists them", EXIT_MISTAKE)
+        return f"a command is missing: '{problem.ctx.command_path} --help' lists them", EXIT_MISTAKE
     except click.ClickException as problem:
-        return _complain(problem.format_message(), EXIT_MISTAKE)
+        return problem.format_message(), EXIT_MISTAKE
     except CablesimError as problem:
-        return _complain(str(problem), problem.exit_code)
+        return str(problem), problem.exit_code
     except (click.Abort, KeyboardInterrupt):
-        return _complain("interrupted", 130)
+        return "interrupted", 130
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return "", 0
     except OSError as problem:
         if problem.errno == errno.ENAMETOOLONG:
-            return _complain(f"{str(problem.filename)[:60]}...: the name is too long", EXIT_MISTAKE)
-        return _complain(f"{problem.filename or 'the machine'}: {problem.strerror or problem}", EXIT_ENVIRONMENT)
+            return f"{str(problem.filename)[:60]}...: the name is too long", EXIT_MISTAKE
+        return f"{problem.filename or 'the machine'}: {problem.strerror or problem}", EXIT_ENVIRONMENT
     except MemoryError:
-        return _complain("not enough memory for this", EXIT_ENVIRONMENT)
+        return "not enough memory for this", EXIT_ENVIRONMENT
     except Exception:
         traceback.print_exc()
-        return _complain("this is a bug of ours; please report it with the lines above", EXIT_BUG)
+        return "this is a bug of ours; please report it with the lines above", EXIT_BUG
 
 
-def _complain(message: str, code: int) -> int:
+def _one_line(message: str) -> str:
     line = " ".join(message.split())
-    if len(line) > LONGEST_LINE:
-        line = f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 4 :]}"
-    click.echo("cablesim: " + line, err=True)
-    return code
+    return line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 4 :]}"
 
 
 def _options(solver: "Solver", texts: tuple[str, ...]) -> dict[str, Any]:

@@ -32,10 +32,22 @@ def written_whole(path: Path) -> Iterator[Path]:
         size = temporary.stat().st_size if temporary.exists() else 0
         reason = getattr(problem, "strerror", None) or problem
         raise EnvironmentFault(
-            f"{path}: cannot be written ({reason}; {size} bytes were), free {_free(path)} bytes"
+            f"{path}: cannot be written ({reason}; {size} bytes were), free {free_bytes(path)} bytes"
         ) from problem
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def parts(folder: Path) -> list[Path]:
+    """Temporary files in a folder whose processes are no more."""
+    return [path for path in sorted(folder.rglob(".*.part")) if not is_alive(path.name.split(".")[-2])]
+
+
+def is_alive(process: int | str) -> bool:
+    """Whether there is a process with this number on this machine."""
+    import psutil
+
+    return str(process).isdigit() and psutil.pid_exists(int(process))
 
 
 def write_text(path: Path, text: str) -> None:
@@ -128,7 +140,8 @@ def _sync(path: Path) -> None:
         os.close(handle)
 
 
-def _free(path: Path) -> int:
-    folder = next((parent for parent in path.parents if parent.exists()), Path("/"))
+def free_bytes(path: Path) -> int:
+    """What is left for a user on the disk of a path, which need not be there yet."""
+    folder = next(one for one in (path, *path.absolute().parents) if one.exists())
     status = os.statvfs(folder)
     return status.f_bavail * status.f_frsize

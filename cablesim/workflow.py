@@ -3,11 +3,12 @@
 import hashlib
 import sys
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
 from cablesim.files import check
+from cablesim.held import hold_for_good
 from cablesim.plan import ScenePlan
 from cablesim.sources import code_digest
 from cablesim.steps import CATALOGUE, STUDY, sample, timings_path
@@ -106,14 +107,25 @@ class PlannedStudy:
         return str(Layout(Path(self.results)).stamp(STUDY, CATALOGUE, digest))
 
 
-def plan_study(config: Path | str, checking: bool = True) -> PlannedStudy:
-    """Read a study and sample its designs; `checking` looks whether every file is still what was written.
+def plan_study(config: Path | str, checking: bool = True, holding: bool = False) -> PlannedStudy:
+    """Read a study and sample its designs, once in a process.
 
-    Raises InputError for anything wrong in the files of the study.
+    `checking` looks whether every file is still what was written; `holding` keeps others out of the results until this
+    process ends. Raises InputError for anything wrong in the files of the study, EnvironmentFault where a study is
+    running already.
     """
-    study = read_study(Path(config))
+    path = Path(config)
+    return _plan_study(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path, checking, holding)
+
+
+@cache
+def _plan_study(config: Path, checking: bool, holding: bool) -> PlannedStudy:
+    study = read_study(config)
     layout = Layout(Path("results") / study.name)
-    scenes = tuple(PlannedScene(scene, layout, sample(scene, layout)) for scene in study.scenes)
+    read = study.scenes
+    if holding:
+        hold_for_good(layout.root)
+    scenes = tuple(PlannedScene(scene, layout, sample(scene, layout)) for scene in read)
     planned = PlannedStudy(str(layout.root), scenes)
     if checking:
         for scene in scenes:

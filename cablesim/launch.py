@@ -1,0 +1,114 @@
+"""Run a study by Snakemake, in this process, and say what became of it with an exit code of ours.
+
+A step that fails tells why in its last line, which ends with its exit code; Snakemake's records lead to it.
+"""
+
+import logging
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from cablesim.errors import CablesimError, EnvironmentFault, InputError
+from cablesim.files import free_bytes
+from cablesim.workflow import PlannedStudy, plan_study
+
+SNAKEFILE, PROFILES = Path("Snakefile"), Path("workflow") / "profiles"
+# What a failed step says last, and what is left of it where even its log could not be written.
+LAST_LINE = re.compile(r"^cablesim: (?P<message>.*) \(exit code (?P<code>\d+)\)$", re.MULTILINE)
+STATUS = re.compile(r"returned non-zero exit status (\d+)")
+DIED = re.compile(r"died with <Signals\.(\w+): \d+>")
+MACHINE = re.compile(
+    r"(?:No space left on device|Permission denied|Read-only file system|Disk quota exceeded)(?:: '([^'\n]*)')?"
+)
+KILLED = 128
+
+
+class StepFailed(CablesimError):
+    """A step of the workflow could not be done; others may have been."""
+
+    def __init__(self, message: str, code: int) -> None:
+        super().__init__(message)
+        self.exit_code = code
+
+
+def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = False) -> PlannedStudy:
+    """Do all that a study still asks for, after whatever interruption; a dry run only tells what that is.
+
+    Raises InputError for anything wrong in the files of the study, EnvironmentFault where the machine is in the way or
+    another run is in the same folder, and StepFailed, with the gravest message and its exit code, where steps failed.
+    """
+    folder = PROFILES / profile
+    for path in (SNAKEFILE, folder / "config.yaml"):
+        if not path.is_file():
+            raise InputError(f"{path}: no such file; a study is run in the folder that holds it")
+    if cores is not None and cores != "all" and not (cores.isdigit() and int(cores)):
+        raise InputError(f"--cores must be a number of cores or 'all', not '{cores[:20]}'")
+    planned = plan_study(config, holding=not dry_run)
+    from snakemake.cli import main
+
+    command = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder), "--configfile", str(config)]
+    command += [*(("--cores", cores) if cores else ()), *(("--dry-run",) if dry_run else ())]
+    with _listening() as heard:
+        try:
+            main(command)
+        except SystemExit as end:
+            if end.code:
+                raise heard.gravest() from None
+    return planned
+
+
+class _Failures(logging.Filter):
+    """What Snakemake says of steps that failed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.told: dict[str, int] = {}
+        self.codes: list[int] = []
+        self.machine: str = ""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Look at a record; it is shown unless it is a traceback of Snakemake's about the machine."""
+        message = record.getMessage()
+        for log in getattr(record, "log", None) or ():
+            self._read(Path(log))
+        self.codes += [int(code) for code in STATUS.findall(message)] + [KILLED for _ in DIED.findall(message)]
+        found = MACHINE.search(message) if record.levelno >= logging.ERROR else None
+        if found is None:
+            return True
+        path = Path(found[1] or ".")
+        self.machine = f"{path}: {found[0].partition(':')[0]}, free {free_bytes(path)} bytes"
+        return False
+
+    def gravest(self) -> CablesimError:
+        """The error to end with: a bug of ours before the machine, the machine before the user."""
+        if self.told:
+            message, code = max(self.told.items(), key=lambda item: item[1])
+            others = f" (and {len(self.told) - 1} more)" if len(self.told) > 1 else ""
+            return StepFailed(f"{message}{others}", code)
+        if self.machine:
+            return EnvironmentFault(self.machine)
+        if any(code >= KILLED for code in self.codes):
+            return EnvironmentFault("a step was killed: memory may have run out, or somebody ended it; run it again")
+        return StepFailed("Snakemake has not finished the study: see above", max(self.codes, default=4))
+
+    def _read(self, log: Path) -> None:
+        try:
+            text = log.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return
+        self.told.update({found["message"]: int(found["code"]) for found in LAST_LINE.finditer(text)})
+
+
+@contextmanager
+def _listening() -> Iterator[_Failures]:
+    from snakemake.logging import logger
+
+    failures = _Failures()
+    logger.addFilter(failures)
+    # A log that cannot be written because the disk is full is no reason for tracebacks.
+    logging.raiseExceptions = False
+    try:
+        yield failures
+    finally:
+        logger.removeFilter(failures)
