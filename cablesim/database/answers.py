@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.query import Answer, Request, ask, ask_long
+from cablesim.database.query import NO_FILES, Answer, Request, ask, ask_long
 from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.quantities import OWN_DIMS, QUANTITIES
 
@@ -26,18 +26,22 @@ Long = dict[str, xr.Variable]
 
 
 def prepare(
-    datasets: Mapping[str, xr.Dataset], request: Request, form: str, skipping: bool
+    datasets: Mapping[str, xr.Dataset],
+    request: Request,
+    form: str,
+    skipping: bool,
+    files: Mapping[str, Path] = NO_FILES,
 ) -> tuple[Answer, Callable[[IO[bytes], bool], int]]:
     """The answer to a request and what writes it to a stream, with units or without. Raises as `ask` does."""
     if form not in FORMATS:
         raise InputError(f"unknown format '{form}': {nearest(form, FORMATS)}")
     if form != "netcdf":
-        answer = ask(datasets, request, skipping)
+        answer = ask(datasets, request, skipping, files)
         return answer, lambda stream, units: WRITERS[form](answer, stream, units)
     if len(datasets) > 1:
         raise InputError("netcdf takes one scene at a time: ask for csv, json or parquet")
-    dataset = next(iter(datasets.values()))
-    answer, long = ask_long(dataset, request)
+    name, dataset = next(iter(datasets.items()))
+    answer, long = ask_long(dataset, request, files.get(name))
     return answer, lambda stream, units: write_netcdf(answer, long, dataset, stream)
 
 
