@@ -68,22 +68,31 @@ def write_csv(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     rows = 0
     heads = _heads(answer, units)
     stream.write("".join(",".join(head) + "\n" for head in heads).encode())
-    for piece in answer.pieces:
-        rows += len(piece)
-        stream.write(piece.to_csv(index=False, header=False, lineterminator="\n").encode())
+    for number, lines in answer.each(_csv_lines):
+        rows += number
+        stream.write(lines)
     return rows
+
+
+def _csv_lines(piece: pd.DataFrame) -> tuple[int, bytes]:
+    """How many lines, and the lines."""
+    return len(piece), piece.to_csv(index=False, header=False, lineterminator="\n").encode()
 
 
 def write_json(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     """One object: units by column, and an object for each scenario, with null for what is no number."""
     rows = 0
     stream.write(f'{{"units": {json.dumps(answer.units if units else {})}, "rows": ['.encode())
-    for piece in answer.pieces:
-        text = ", ".join(json.dumps(row) for row in _with_none(piece).to_dict("records"))
-        stream.write(f"{', ' if rows and text else ''}{text}".encode())
-        rows += len(piece)
+    for number, objects in answer.each(_json_objects):
+        stream.write(b", " + objects if rows and number else objects)
+        rows += number
     stream.write(b"]}\n")
     return rows
+
+
+def _json_objects(piece: pd.DataFrame) -> tuple[int, bytes]:
+    """How many objects, and the objects with commas between them."""
+    return len(piece), ", ".join(json.dumps(row) for row in _with_none(piece).to_dict("records")).encode()
 
 
 def write_parquet(answer: Answer, stream: IO[bytes], units: bool = True) -> int:

@@ -4,6 +4,7 @@ Workers read files and evaluate blocks, nothing more: what is written is written
 the same with a cluster and without.
 """
 
+import asyncio
 import pickle
 import threading
 import time
@@ -34,8 +35,8 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 _client: ContextVar["Client | None"] = ContextVar("client", default=None)
-# netCDF is no library for threads, and a worker may have several.
-_one_at_a_time = threading.Lock()
+# A worker may have several threads; neither netCDF nor Python's reading of its own code is made for that.
+_working, _reading_code = threading.Lock(), threading.Lock()
 
 
 def is_connected() -> bool:
@@ -92,11 +93,25 @@ def _check_address(address: str) -> None:
 
 def _connect(address: str) -> "Client":
     from distributed import Client
+    from distributed.utils import LoopRunner
 
     try:
+        LoopRunner(asynchronous=False).run_sync(_meet, address)
         return Client(address, timeout=CONNECTING, name="cablesim")
     except Exception as problem:  # Whatever another kind of server may answer.
-        raise EnvironmentFault(f"{address}: no Dask scheduler answers within {CONNECTING:.0f} s ({problem})") from None
+        told = " ".join(str(problem).split()) or "it is silent"
+        raise EnvironmentFault(f"{address}: no Dask scheduler answers within {CONNECTING:.0f} s ({told})") from None
+
+
+async def _meet(address: str) -> None:
+    """Connect once for trial: a client has no time limit for a server that takes its call and does not answer."""
+    from distributed import Client
+
+    client = Client(address, timeout=CONNECTING, asynchronous=True, set_as_default=False)
+    try:
+        await asyncio.wait_for(client, CONNECTING + LOOK)
+    finally:
+        await asyncio.wait_for(client.close(), LOOK)
 
 
 def _check_workers(client: "Client") -> None:
@@ -120,7 +135,8 @@ def _check_code(worker: str, theirs: Any, ours: str) -> None:
 def _code() -> str:
     """What answers depend on beside files: the code that makes them, and the packages that compute."""
     packages = ", ".join(f"{package} {version(package)}" for package in PACKAGES)
-    return f"cablesim {version('cablesim')} with code {code_digest(MODULES, PARTS)}, {packages}"
+    with _reading_code:
+        return f"cablesim {version('cablesim')} with code {code_digest(MODULES, PARTS)}, {packages}"
 
 
 def _on_workers(client: "Client", function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
@@ -140,7 +156,7 @@ def _work(ours: str, pickled: bytes) -> Any:
 
     worker = get_worker().address
     _check_code(worker, _code(), ours)
-    with _one_at_a_time:
+    with _working:
         function, item = pickle.loads(pickled)
         try:
             return function(item)

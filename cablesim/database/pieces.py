@@ -1,10 +1,10 @@
 """The rows of a scene that answer a question, in pieces: a block of its scenarios each, here or on a Dask cluster."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from uuid import uuid4
 
 import numpy as np
@@ -31,6 +31,8 @@ from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.expressions import Expression
 from cablesim.files import recorded_digest
 from cablesim.quantities import QUANTITIES, SHORT
+
+R = TypeVar("R")
 
 SCENE = "scene"
 # Columns of our own, which no name can be: where a row is in the dataset, and what it is ordered by.
@@ -103,18 +105,18 @@ def _columns(dataset: xr.Dataset, columns: tuple[str, ...]) -> list[str]:
     return list(columns) or [name for name in known if name in dataset.data_vars or dataset[name].ndim > 0]
 
 
-def pieces(asked: Asked, named: bool) -> Iterator[pd.DataFrame]:
-    """The rows of a scene, block by block; the first piece is there even if it has none.
+def pieces(asked: Asked, named: bool, finish: Callable[[pd.DataFrame], R]) -> Iterator[R]:
+    """The rows of a scene, block by block and finished where they are found; the first piece may have none.
 
     With an order or a limit, a piece has no more rows than the answer will have.
     """
     nowhere = {dim: np.arange(0) for dim in asked.sizes}
-    yield _rows(asked, nowhere, np.ones((0,) * len(nowhere), dtype=bool), named)
+    yield finish(_rows(asked, nowhere, np.ones((0,) * len(nowhere), dtype=bool), named))
     ranges = block_ranges(asked.selection, asked.sizes)
     if asked.file is not None and is_connected():
-        found = map_in_order(partial(_piece_of_file, _Question.of(asked), named), ranges)
+        found = map_in_order(partial(_piece_of_file, _Question.of(asked), named, finish), ranges)
     else:
-        found = map(partial(_piece, asked, named), ranges)
+        found = map(partial(_piece, asked, named, finish), ranges)
     yield from (piece for piece in found if piece is not None)
 
 
@@ -141,8 +143,8 @@ class _Question:
         return cls(file, recorded_digest(file), asked.name, replace(asked.request, columns=asked.columns))
 
 
-def _piece_of_file(question: _Question, named: bool, ranges: Ranges) -> pd.DataFrame | None:
-    return _piece(_opened(question), named, ranges)
+def _piece_of_file(question: _Question, named: bool, finish: Callable[[pd.DataFrame], R], ranges: Ranges) -> R | None:
+    return _piece(_opened(question), named, finish, ranges)
 
 
 @lru_cache(maxsize=2)
@@ -154,14 +156,15 @@ def _opened(question: _Question) -> Asked:
     return prepare(question.scene, dataset, question.request, question.file)
 
 
-def _piece(asked: Asked, named: bool, ranges: Ranges) -> pd.DataFrame | None:
-    """The rows of a block; None where it has none."""
+def _piece(asked: Asked, named: bool, finish: Callable[[pd.DataFrame], R], ranges: Ranges) -> R | None:
+    """The rows of a block, finished; None where it has none."""
     points = points_within(asked.selection, asked.sizes, ranges)
     found = holds(asked.dataset, asked.selection, points)
     if not found.any():
         return None
     rows = _rows(asked, points, found, named)
-    return rows if asked.request.limit is None else in_order(rows, asked.request).head(asked.request.limit)
+    limit = asked.request.limit
+    return finish(rows if limit is None else in_order(rows, asked.request).head(limit))
 
 
 def _rows(asked: Asked, points: Points, found: np.ndarray, named: bool) -> pd.DataFrame:

@@ -3,10 +3,12 @@
 Only netCDF has room for profiles and histories; `ask_long` reads them for the scenarios that were found.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -30,6 +32,8 @@ from cablesim.errors import InputError
 
 __all__ = ["NO_FILES", "Answer", "Order", "Request", "ask", "ask_long", "query"]
 
+R = TypeVar("R")
+
 # Of an answer that must be in memory as a whole.
 MOST_BYTES = 2**28
 NO_FILES: Mapping[str, Path] = MappingProxyType({})
@@ -37,7 +41,10 @@ NO_FILES: Mapping[str, Path] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Answer:
-    """The pieces of a table, none of them kept; its columns and their units, and what a miss should tell."""
+    """The pieces of a table, none of them kept; its columns and their units, and what a miss should tell.
+
+    `finished` makes the same pieces once more, each given to a function where it is made; None where that is here.
+    """
 
     pieces: Iterator[pd.DataFrame]
     columns: tuple[str, ...]
@@ -45,6 +52,11 @@ class Answer:
     scenarios: int
     notes: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    finished: Callable[[Callable[[pd.DataFrame], Any]], Iterator[Any]] | None = None
+
+    def each(self, function: Callable[[pd.DataFrame], R]) -> Iterator[R]:
+        """A function of each piece; on a Dask cluster its workers do that, too, if the rows are in no order."""
+        return map(function, self.pieces) if self.finished is None else self.finished(function)
 
     def table(self) -> pd.DataFrame:
         """All of it in memory. Raises InputError where it is too long for that."""
@@ -87,15 +99,21 @@ def ask(
     many = len(datasets) > 1
     if many and not request.columns:
         asked = [replace(one, columns=_common(asked)) for one in asked]
-    found = (piece for one in asked for piece in pieces(one, many))
     columns = ((SCENE,) if many else ()) + asked[0].columns
+    whole = bool(request.order) or request.limit is not None
+
+    def finished(function: Callable[[pd.DataFrame], R]) -> Iterator[R]:
+        return (made for one in asked for made in pieces(one, many, partial(_finish, columns, function)))
+
+    found = (piece for one in asked for piece in pieces(one, many, _as_found))
     return Answer(
-        _shown(_ordered(found, request), columns),
+        (_shown(columns, piece) for piece in _ordered(found, request)),
         columns,
         _units(asked[0]),
         sum(one.dataset.status.size for one in asked),
         tuple(dict.fromkeys(note for one in asked for note in one.selection.notes)),
         tuple(left_out),
+        None if whole else finished,
     )
 
 
@@ -106,7 +124,7 @@ def ask_long(dataset: xr.Dataset, request: Request, file: Path | None = None) ->
     wanted = tuple(name for name in request.columns or known if name in known)
     short = tuple(name for name in request.columns if name not in known)
     one = prepare("", dataset, replace(request, columns=short or ("status",) if request.columns else ()), file)
-    found = _joined(_ordered(pieces(one, False), request))
+    found = _joined(_ordered(pieces(one, False, _as_found), request))
     columns = one.columns if short or not request.columns else ()
     answer = Answer(iter([found[list(columns)]]), columns, _units(one), dataset.status.size, one.selection.notes)
     places = found[PLACE].to_numpy(dtype=np.int64)
@@ -150,9 +168,17 @@ def _first(pieces: Iterator[pd.DataFrame], limit: int) -> Iterator[pd.DataFrame]
             return
 
 
-def _shown(pieces: Iterator[pd.DataFrame], columns: tuple[str, ...]) -> Iterator[pd.DataFrame]:
+def _shown(columns: tuple[str, ...], piece: pd.DataFrame) -> pd.DataFrame:
     """Without what is ours alone."""
-    return (piece[list(columns)].reset_index(drop=True) for piece in pieces)
+    return piece[list(columns)].reset_index(drop=True)
+
+
+def _as_found(piece: pd.DataFrame) -> pd.DataFrame:
+    return piece
+
+
+def _finish(columns: tuple[str, ...], function: Callable[[pd.DataFrame], R], piece: pd.DataFrame) -> R:
+    return function(_shown(columns, piece))
 
 
 def _joined(pieces: Iterator[pd.DataFrame]) -> pd.DataFrame:
