@@ -1,4 +1,4 @@
-"""Collecting and querying on a Dask cluster: the same bytes as without, workers that die, and what is told of faults."""
+"""Collecting and querying on a Dask cluster: the same bytes as without, workers that die, faults in one line."""
 
 import json
 import os
