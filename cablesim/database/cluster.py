@@ -10,7 +10,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache
 from importlib.metadata import version
@@ -75,7 +75,9 @@ def connected(address: str | None) -> Iterator[None]:
             yield
         finally:
             _client.reset(token)
-            client.close(timeout=LOOK)
+            # Where the scheduler is gone, there is nobody to take leave of.
+            with suppress(OSError):
+                client.close(timeout=LOOK)
 
 
 def _check_address(address: str) -> None:
@@ -118,9 +120,12 @@ def _check_workers(client: "Client") -> None:
     """Wait for the first worker, and see that all are of this code. Raises EnvironmentFault if not."""
     try:
         client.wait_for_workers(1, timeout=WORKERLESS)
+        codes = client.run(_code, on_error="return")
     except TimeoutError:
         raise _no_worker(client) from None
-    for worker, theirs in client.run(_code, on_error="return").items():
+    except OSError as problem:
+        raise _lost(client, problem) from None
+    for worker, theirs in codes.items():
         _check_code(worker, theirs, _code())
 
 
