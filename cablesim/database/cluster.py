@@ -5,11 +5,13 @@ the same with a cluster and without.
 """
 
 import asyncio
+import concurrent.futures
 import pickle
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError, wait
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache
@@ -64,10 +66,12 @@ def connected(address: str | None) -> Iterator[None]:
     if address is None:
         yield
         return
+    import dask
     from distributed.utils import silence_logging_cmgr
 
     _check_address(address)
-    with silence_logging_cmgr("CRITICAL"):
+    limits = {"distributed.comm.timeouts.connect": CONNECTING}
+    with silence_logging_cmgr("CRITICAL"), dask.config.set(limits):
         client = _connect(address)
         token = _client.set(client)
         try:
@@ -179,25 +183,24 @@ def _workers(client: "Client") -> int:
 
 def _result(client: "Client", future: "Future") -> Any:
     """What a worker has found; waits as long as there is any."""
-    from distributed import wait
-
+    # Not waited for with a time limit of Dask's own: that would stop a long transfer, and start it again.
+    loop: Any = client.loop
+    fetched = asyncio.run_coroutine_threadsafe(client.gather(future, asynchronous=True), loop.asyncio_loop)
     seen = time.monotonic()
-    while not future.done():
-        try:
-            wait(future, timeout=LOOK)
-        except TimeoutError:
-            if _workers(client):
-                seen = time.monotonic()
-            elif time.monotonic() - seen > WORKERLESS:
-                raise _no_worker(client) from None
-    return _found(client, future)
+    while not wait([fetched], timeout=LOOK).done:
+        if _workers(client):
+            seen = time.monotonic()
+        elif time.monotonic() - seen > WORKERLESS:
+            fetched.cancel()
+            raise _no_worker(client)
+    return _found(client, fetched)
 
 
-def _found(client: "Client", future: "Future") -> Any:
-    from distributed import CancelledError, KilledWorker
+def _found(client: "Client", fetched: concurrent.futures.Future) -> Any:
+    from distributed import KilledWorker
 
     try:
-        return future.result()
+        return fetched.result()
     except CablesimError:
         raise
     except ImportError as problem:
