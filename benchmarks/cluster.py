@@ -6,7 +6,6 @@ bytes. Scheduler, workers and caller share the cores of the machine: on a real c
 """
 
 import argparse
-import hashlib
 import json
 import subprocess
 import sys
@@ -20,6 +19,7 @@ from measure import markdown, revision
 
 from cablesim import shards
 from cablesim.config.scene import read_scene
+from cablesim.files import digest_of
 from cablesim.machine import machine
 from cablesim.steps import run_scene
 from cablesim.study import Layout
@@ -51,11 +51,13 @@ QUESTIONS = {
     "the same as Parquet": ("sag > 40 m and span > 150 m and span < 230 m", "--format", "parquet"),
 }
 TOLD = """
-import json, resource, sys, time
+import json, re, sys, time
+from pathlib import Path
 start = time.perf_counter()
 from cablesim.cli import main
 code = main(sys.argv[1:])
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+# Not that of getrusage, which a process begins with that of whoever started it.
+peak = 1024 * int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])
 print(json.dumps({"code": code, "seconds": time.perf_counter() - start, "peak": peak}), file=sys.stderr)
 """
 
@@ -75,7 +77,7 @@ def both(arguments: tuple[str, ...], address: str, made: Path, repeats: int) -> 
         for where, costs in runs.items():
             made.unlink(missing_ok=True)
             costs.append(told((*arguments, *where)))
-            digests.add(hashlib.sha256(made.read_bytes()).hexdigest())
+            digests.add(digest_of(made))
     assert len(digests) == 1, arguments
     here, there = ({key: median(cost[key] for cost in costs) for key in costs[0]} for costs in runs.values())
     return [
