@@ -24,6 +24,7 @@ bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/exact_catenary.py
 	$(BIN)/python benchmarks/workflow.py
 	$(BIN)/python benchmarks/database.py
+	$(BIN)/python benchmarks/cluster.py
 	$(BIN)/python benchmarks/stream_lines.py
 	$(BIN)/python benchmarks/composite_lines.py
 	$(BIN)/python -m benchmarks.two_point_check

@@ -16,6 +16,7 @@ from cablesim.errors import CablesimError, EnvironmentFault, InputError
 
 if TYPE_CHECKING:
     from cablesim.config.scene import Scene
+    from cablesim.database.query import Request
     from cablesim.solver import Solver
 
 EXIT_FLAGGED = 1
@@ -24,6 +25,13 @@ EXIT_ENVIRONMENT = 3
 EXIT_BUG = 4
 LONGEST_LINE = 800
 MOST_FAULTS = 20
+
+_dask_address = click.option(
+    "--dask-address",
+    envvar="CABLESIM_DASK_ADDRESS",
+    metavar="ADDRESS",
+    help="Work on the workers of this Dask scheduler, as in tcp://host:8786 (or $CABLESIM_DASK_ADDRESS).",
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -143,21 +151,24 @@ def study(config: Path, profile: str, cores: str | None, dry_run: bool) -> int:
 @cli.command()
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<name>).")
-def collect(config: Path, out: Path | None) -> int:
+@_dask_address
+def collect(config: Path, out: Path | None, dask_address: str | None) -> int:
     """Write datasets of what is computed so far of CONFIG, a study or a scene, while it runs; the rest is `not_run`.
 
     Exit code 0: all is solved, 1: scenarios are flagged, or not run yet.
     """
+    from cablesim.database.cluster import connected
     from cablesim.steps import collect_partly
     from cablesim.study import Layout, read_any
 
     name, scenes = read_any(config)
     layout = Layout(out if out is not None else Path("results") / name)
     codes = []
-    for scene in scenes:
-        missing = collect_partly(scene, layout)
-        click.echo(f"{scene.name}: {len(missing)} shards are not there yet", err=True)
-        codes.append(_tell_fates(scene, layout.dataset(scene.name)))
+    with connected(dask_address):
+        for scene in scenes:
+            missing = collect_partly(scene, layout)
+            click.echo(f"{scene.name}: {len(missing)} shards are not there yet", err=True)
+            codes.append(_tell_fates(scene, layout.dataset(scene.name)))
     return max(codes)
 
 
@@ -201,6 +212,7 @@ def scenes(results: Path, scene: str | None) -> None:
 @click.option("--format", "form", default="table", help="table, csv, json, parquet, excel or netcdf.")
 @click.option("--units/--no-units", default=True, help="With the units of the columns, or bare.")
 @click.option("--output", type=click.Path(path_type=Path), help="Write to this file instead of standard output.")
+@_dask_address
 def query(
     results: Path,
     scene: str,
@@ -212,21 +224,32 @@ def query(
     form: str,
     units: bool,
     output: Path | None,
+    dask_address: str | None,
 ) -> None:
     """Scenarios of a SCENE for which a CONDITION holds: cablesim query results/default inclined_spans 'sag > 20 m'.
 
     Several scenes are asked at once with 'one,other', or with a pattern: 'precision_*' asks those that know the names.
     """
-    from cablesim.database.answers import BINARY, prepare
+    from cablesim.database.answers import BINARY
+    from cablesim.database.cluster import connected
     from cablesim.database.query import Order, Request
-    from cablesim.database.reading import is_pattern, open_scenes
-    from cablesim.files import written_whole
 
     if form in BINARY and output is None and sys.stdout.isatty():
         raise InputError(f"{form} is not for a terminal: name a file with --output, or redirect standard output")
     near = tuple(_pairs(nearest).items())
     request = Request(condition, _names(columns), near, tuple(Order.read(text) for text in orders), limit)
-    answer, write = prepare(open_scenes(results, scene), request, form, skipping=is_pattern(scene))
+    with connected(dask_address):
+        _answer(results, scene, request, form, units, output)
+
+
+def _answer(results: Path, scene: str, request: "Request", form: str, units: bool, output: Path | None) -> None:
+    """Print or write the answer to a query, and what is to be told beside it."""
+    from cablesim.database.answers import prepare
+    from cablesim.database.reading import chosen_paths, is_pattern, open_scenes
+    from cablesim.files import written_whole
+
+    files = chosen_paths(results, scene)
+    answer, write = prepare(open_scenes(results, scene), request, form, is_pattern(scene), files)
     for note in answer.notes:
         click.echo(f"note: {note}", err=True)
     if answer.left_out:
@@ -411,7 +434,22 @@ def _scene_step(name: str, help_text: str) -> None:
         steps.run_step(name, read_scene(scene), Layout(results), stamp)
 
 
-_scene_step("collect", "Join the shards of a SCENE into its dataset in RESULTS.")
+@step.command("collect")
+@click.argument("scene", type=click.Path(path_type=Path))
+@click.argument("results", type=click.Path(path_type=Path))
+@click.option("--stamp", type=click.Path(path_type=Path), help="A file to write when the step is done.")
+@_dask_address
+def step_collect(scene: Path, results: Path, stamp: Path | None, dask_address: str | None) -> None:
+    """Join the shards of a SCENE into its dataset in RESULTS."""
+    from cablesim import steps
+    from cablesim.config.scene import read_scene
+    from cablesim.database.cluster import connected
+    from cablesim.study import Layout
+
+    with connected(dask_address):
+        steps.run_step("collect", read_scene(scene), Layout(results), stamp)
+
+
 _scene_step("summarise", "Write the tables of a SCENE.")
 _scene_step("figures", "Draw the figures of a SCENE.")
 

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from cablesim.database.query import Answer, Request, ask, ask_long
+from cablesim.database.query import NO_FILES, Answer, Request, ask, ask_long
 from cablesim.errors import EnvironmentFault, InputError, nearest
 from cablesim.quantities import OWN_DIMS, QUANTITIES
 
@@ -26,18 +26,22 @@ Long = dict[str, xr.Variable]
 
 
 def prepare(
-    datasets: Mapping[str, xr.Dataset], request: Request, form: str, skipping: bool
+    datasets: Mapping[str, xr.Dataset],
+    request: Request,
+    form: str,
+    skipping: bool,
+    files: Mapping[str, Path] = NO_FILES,
 ) -> tuple[Answer, Callable[[IO[bytes], bool], int]]:
     """The answer to a request and what writes it to a stream, with units or without. Raises as `ask` does."""
     if form not in FORMATS:
         raise InputError(f"unknown format '{form}': {nearest(form, FORMATS)}")
     if form != "netcdf":
-        answer = ask(datasets, request, skipping)
+        answer = ask(datasets, request, skipping, files)
         return answer, lambda stream, units: WRITERS[form](answer, stream, units)
     if len(datasets) > 1:
         raise InputError("netcdf takes one scene at a time: ask for csv, json or parquet")
-    dataset = next(iter(datasets.values()))
-    answer, long = ask_long(dataset, request)
+    name, dataset = next(iter(datasets.items()))
+    answer, long = ask_long(dataset, request, files.get(name))
     return answer, lambda stream, units: write_netcdf(answer, long, dataset, stream)
 
 
@@ -64,22 +68,31 @@ def write_csv(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     rows = 0
     heads = _heads(answer, units)
     stream.write("".join(",".join(head) + "\n" for head in heads).encode())
-    for piece in answer.pieces:
-        rows += len(piece)
-        stream.write(piece.to_csv(index=False, header=False, lineterminator="\n").encode())
+    for number, lines in answer.each(_csv_lines):
+        rows += number
+        stream.write(lines)
     return rows
+
+
+def _csv_lines(piece: pd.DataFrame) -> tuple[int, bytes]:
+    """How many lines, and the lines."""
+    return len(piece), piece.to_csv(index=False, header=False, lineterminator="\n").encode()
 
 
 def write_json(answer: Answer, stream: IO[bytes], units: bool = True) -> int:
     """One object: units by column, and an object for each scenario, with null for what is no number."""
     rows = 0
     stream.write(f'{{"units": {json.dumps(answer.units if units else {})}, "rows": ['.encode())
-    for piece in answer.pieces:
-        text = ", ".join(json.dumps(row) for row in _with_none(piece).to_dict("records"))
-        stream.write(f"{', ' if rows and text else ''}{text}".encode())
-        rows += len(piece)
+    for number, objects in answer.each(_json_objects):
+        stream.write(b", " + objects if rows and number else objects)
+        rows += number
     stream.write(b"]}\n")
     return rows
+
+
+def _json_objects(piece: pd.DataFrame) -> tuple[int, bytes]:
+    """How many objects, and the objects with commas between them."""
+    return len(piece), ", ".join(json.dumps(row) for row in _with_none(piece).to_dict("records")).encode()
 
 
 def write_parquet(answer: Answer, stream: IO[bytes], units: bool = True) -> int:

@@ -6,6 +6,7 @@ A part is one method on a range of points of the first axis; only as much is in 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from cablesim.config.method import Method
 from cablesim.config.scene import Scene
+from cablesim.database.cluster import map_in_order
 from cablesim.database.shard_file import CHUNK, read_shard
 from cablesim.files import Checked
 from cablesim.plan import ScenePlan
@@ -28,8 +30,8 @@ STORED: dict[str, np.dtype] = {
     "iterations": np.dtype(np.int32),
     RUN_TIME: np.dtype(np.float32),
 }
-# Of a part, and of the shards that are read together.
-MOST_BYTES = 2**27
+# Of a part; and of the shards that are read together, which are one piece of work, and how many these are at most.
+MOST_BYTES, MOST_BYTES_TOGETHER, MOST_TOGETHER = 2**27, 2**25, 32
 
 Arrays = dict[str, np.ndarray]
 
@@ -126,27 +128,30 @@ def _asked(names: tuple[str, ...], method: Method) -> tuple[str, ...]:
 
 def _read(placements: list[Placement], names: tuple[str, ...], shards: Shards) -> Iterator[tuple[Placement, Arrays]]:
     """The variables of every whole shard, some shards at a time."""
-    import dask
-
     whole = [placement for placement in placements if shards.checked[placement.recipe.digest].whole]
-    while whole:
-        together = _together(whole, names)
-        paths = [shards.path(placement.recipe.digest) for placement in together]
-        # One thread: HDF5 serialises all reading behind one lock anyway, and threads around it have crashed.
-        read = dask.compute(*(dask.delayed(read_shard)(path, names) for path in paths), scheduler="synchronous")
-        yield from zip(together, read, strict=True)
-        whole = whole[len(together) :]
+    groups = list(_groups(whole, names))
+    paths = [[shards.path(placement.recipe.digest).absolute() for placement in group] for group in groups]
+    for group, read in zip(groups, map_in_order(partial(_read_shards, names), paths), strict=True):
+        yield from zip(group, read, strict=True)
 
 
-def _together(placements: list[Placement], names: tuple[str, ...]) -> list[Placement]:
-    """The first placements, as many as fit into memory, and at least one."""
-    room, fitting = MOST_BYTES, 0
+def _read_shards(names: tuple[str, ...], paths: list[Path]) -> list[Arrays]:
+    return [read_shard(path, names) for path in paths]
+
+
+def _groups(placements: list[Placement], names: tuple[str, ...]) -> Iterator[list[Placement]]:
+    """The placements in their order, as many together as fit into memory, and at least one."""
+    together: list[Placement] = []
+    room = 0
     for placement in placements:
-        room -= math.prod(placement.recipe.shape) * sum(stored_type(name).itemsize for name in names)
-        if fitting and room < 0:
-            break
-        fitting += 1
-    return placements[:fitting]
+        size = math.prod(placement.recipe.shape) * sum(stored_type(name).itemsize for name in names)
+        if together and (size > room or len(together) == MOST_TOGETHER):
+            yield together
+            together = []
+        room = (room if together else MOST_BYTES_TOGETHER) - size
+        together.append(placement)
+    if together:
+        yield together
 
 
 def _within(placement: Placement, positions: tuple[int, ...], rows: slice) -> Placement | None:

@@ -17,7 +17,7 @@ import xarray as xr
 
 from cablesim.database.catalogue import catalogue
 from cablesim.database.query import Answer, Order, Request, ask
-from cablesim.database.reading import is_pattern, open_dataset, open_scenes, scene_path, scene_paths
+from cablesim.database.reading import chosen_paths, is_pattern, open_dataset, open_scenes, scene_path, scene_paths
 
 
 class OpenedStudy(Mapping[str, xr.Dataset]):
@@ -63,7 +63,8 @@ class OpenedStudy(Mapping[str, xr.Dataset]):
         orders = (order_by,) if isinstance(order_by, str) else tuple(order_by)
         near = tuple((name, str(value)) for name, value in (nearest or {}).items())
         request = Request(condition, tuple(columns), near, tuple(Order.read(text) for text in orders), limit)
-        answer: Answer = ask(open_scenes(self.results, scene), request, skipping=is_pattern(scene))
+        files = chosen_paths(self.results, scene)
+        answer: Answer = ask(open_scenes(self.results, scene), request, is_pattern(scene), files)
         for note in answer.notes:
             warnings.warn(note, stacklevel=2)
         table = answer.table()

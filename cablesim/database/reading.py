@@ -51,6 +51,11 @@ def open_scene(results: Path, scene: str) -> xr.Dataset:
 
 
 def open_scenes(results: Path, names: str) -> dict[str, xr.Dataset]:
+    """The datasets of scenes that are named as `chosen_paths` takes them."""
+    return {scene: read_dataset(path) for scene, path in chosen_paths(results, names).items()}
+
+
+def chosen_paths(results: Path, names: str) -> dict[str, Path]:
     """Datasets by scene: of one, of several separated by commas, or of those that a pattern with `*` and `?` fits.
 
     Raises InputError, with the nearest names, where there is no such scene.
@@ -62,7 +67,7 @@ def open_scenes(results: Path, names: str) -> dict[str, xr.Dataset]:
         if not fitting:
             raise _no_scene(results, name.strip(), paths)
         chosen |= fitting
-    return {scene: read_dataset(path) for scene, path in chosen.items()}
+    return chosen
 
 
 def is_pattern(names: str) -> bool:

@@ -23,6 +23,7 @@ from cablesim.expressions import WORDS, Expression, Lookup, Term, UnknownName, p
 BLOCK = 2**19
 
 Points = dict[str, np.ndarray]
+Ranges = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,12 @@ def spread(values: Any, shape: dict[str, int]) -> np.ndarray:
 
 def blocks(selection: Selection, sizes: dict[str, int], width: int = 1) -> Iterator[Points]:
     """The points of a selection in blocks: of at most BLOCK numbers where a scenario has `width` of them."""
+    for ranges in block_ranges(selection, sizes, width):
+        yield points_within(selection, sizes, ranges)
+
+
+def block_ranges(selection: Selection, sizes: dict[str, int], width: int = 1) -> Iterator[Ranges]:
+    """The same blocks as the range of each dimension, which takes no memory; none without points of the selection."""
     chunks = chunk_sizes(tuple(sizes.values()))
     lengths = []
     room = max(1, BLOCK // max(1, width))
@@ -89,12 +96,16 @@ def blocks(selection: Selection, sizes: dict[str, int], width: int = 1) -> Itera
         for size, length in zip(sizes.values(), reversed(lengths), strict=True)
     ]
     for block in itertools.product(*ranges):
-        points = {
-            dim: selection.points[dim][slice(*np.searchsorted(selection.points[dim], bounds))]
-            for dim, bounds in zip(sizes, block, strict=True)
-        }
-        if all(inside.size for inside in points.values()):
-            yield points
+        if all(inside.size for inside in points_within(selection, sizes, block).values()):
+            yield block
+
+
+def points_within(selection: Selection, sizes: dict[str, int], ranges: Ranges) -> Points:
+    """The points of a selection in a range of each dimension."""
+    return {
+        dim: selection.points[dim][slice(*np.searchsorted(selection.points[dim], bounds))]
+        for dim, bounds in zip(sizes, ranges, strict=True)
+    }
 
 
 def lookup_at(dataset: xr.Dataset, points: Points) -> Lookup:
