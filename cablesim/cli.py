@@ -26,9 +26,10 @@ EXIT_BUG = 4
 LONGEST_LINE = 800
 MOST_FAULTS = 20
 
+DASK_ADDRESS = "CABLESIM_DASK_ADDRESS"
 _dask_address = click.option(
     "--dask-address",
-    envvar="CABLESIM_DASK_ADDRESS",
+    envvar=DASK_ADDRESS,
     metavar="ADDRESS",
     help="Work on the workers of this Dask scheduler, as in tcp://host:8786 (or $CABLESIM_DASK_ADDRESS).",
 )
@@ -130,7 +131,8 @@ def run(scene: Path, out: Path | None) -> int:
 @click.option("--profile", default="default", show_default=True, help="How to run it: a folder in workflow/profiles.")
 @click.option("--cores", metavar="N", help="Cores to use, or 'all' (default: what the profile says).")
 @click.option("--dry-run", is_flag=True, help="Only tell what would be done.")
-def study(config: Path, profile: str, cores: str | None, dry_run: bool) -> int:
+@_dask_address
+def study(config: Path, profile: str, cores: str | None, dry_run: bool, dask_address: str | None) -> int:
     """Run a study, or finish it after whatever interruption: CONFIG is config/config.yaml if none is given.
 
     What is computed already is kept. Exit code 0: all is solved, 1: scenarios are flagged.
@@ -139,6 +141,9 @@ def study(config: Path, profile: str, cores: str | None, dry_run: bool) -> int:
     from cablesim.report.fates import fates
     from cablesim.status import Status
 
+    if dask_address is not None:
+        # The steps of the study read it.
+        os.environ[DASK_ADDRESS] = dask_address
     planned = run_study(config, profile, cores, dry_run)
     if dry_run:
         return 0
@@ -484,8 +489,8 @@ def _end(arguments: list[str]) -> tuple[str, int]:
         if problem.errno == errno.ENAMETOOLONG:
             return f"{str(problem.filename)[:60]}...: the name is too long", EXIT_MISTAKE
         return f"{problem.filename or 'the machine'}: {problem.strerror or problem}", EXIT_ENVIRONMENT
-    except MemoryError:
-        return "not enough memory for this", EXIT_ENVIRONMENT
+    except MemoryError as problem:
+        return f"not enough memory for this ({problem or 'none is left'})", EXIT_ENVIRONMENT
     except Exception:
         traceback.print_exc()
         return "this is a bug of ours; please report it with the lines above", EXIT_BUG

@@ -5,10 +5,10 @@ import tempfile
 from pathlib import Path
 from time import perf_counter
 
-from tests.faults import files, inputs
+from tests.faults import files, inputs, runs
 from tests.faults.fault import Fault, Outcome
 
-FAULTS: tuple[Fault, ...] = (*files.FAULTS, *inputs.FAULTS)
+FAULTS: tuple[Fault, ...] = (*files.FAULTS, *inputs.FAULTS, *runs.FAULTS)
 PAGE = Path(__file__).parents[2] / "docs" / "faults.md"
 HEAD = """# What a study survives
 
