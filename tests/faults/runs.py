@@ -9,8 +9,10 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 
 from tests.faults.fault import Fault, Outcome
@@ -19,6 +21,7 @@ PROJECT = Path(__file__).parents[2]
 STUDY = [sys.executable, "-m", "cablesim", "study"]
 NAME = "small"
 LIMIT = 120
+PATIENCE = 5
 # Some shards that take their time, so that a run can be killed in the middle of them, and scenarios without solution.
 SCENES = {
     "moored": """
@@ -63,9 +66,9 @@ def start(folder: Path, **settings: object) -> subprocess.Popen:
     return subprocess.Popen(STUDY, cwd=folder, start_new_session=True, **{**quiet, **settings})
 
 
-def finish(folder: Path, **settings: object) -> subprocess.CompletedProcess:
-    """The one command that recovers."""
-    return subprocess.run(STUDY, cwd=folder, capture_output=True, text=True, timeout=LIMIT, **settings)
+def finish(folder: Path, before: Sequence[str] = ()) -> subprocess.CompletedProcess:
+    """The one command that recovers; another may be put before it."""
+    return subprocess.run([*before, *STUDY], cwd=folder, capture_output=True, text=True, timeout=LIMIT)
 
 
 def last_line(run: subprocess.CompletedProcess) -> str:
@@ -91,9 +94,9 @@ def ledgers(folder: Path) -> dict[Path, str]:
 class Reference:
     """A study that nothing happened to, and what it takes."""
 
-    def __init__(self, folder: Path) -> None:
-        folder.mkdir()
-        self.folder = make_study(folder)
+    def __init__(self) -> None:
+        self._temporary = tempfile.TemporaryDirectory()
+        self.folder = make_study(Path(self._temporary.name))
         finish(self.folder)  # Kernels are compiled.
         shutil.rmtree(self.folder / "results")
         begin = time.monotonic()
@@ -110,6 +113,12 @@ class Reference:
         return f"differs: {sorted(differing)[:5]}" if differing else ""
 
 
+@cache
+def undisturbed() -> Reference:
+    """It is made once in a process."""
+    return Reference()
+
+
 # ---- kills ----
 
 
@@ -121,27 +130,46 @@ def _recovered(folder: Path, reference: Reference, before: dict[Path, str]) -> t
     after = ledgers(folder)
     again = sum(after.get(path) != text for path, text in before.items())
     left = [str(path) for path in (folder / "results").rglob(".*.part")]
-    trouble = reference.difference(folder) or (f"left over: {left[:3]}" if left else "")
-    return trouble, again
+    trouble = [
+        reference.difference(folder),
+        f"left over: {left[:3]}" if left else "",
+        f"{again} finished shards were computed again" if again else "",
+    ]
+    return "; ".join(filter(None, trouble)), again
 
 
 def _killed_again_and_again(folder: Path, times: int, seed: int, whole_tree: bool) -> Outcome:
     draw, failures, lost = random.Random(seed), [], 0
-    reference = Reference(folder / "reference")
+    reference = undisturbed()
     for number in range(times):
         (folder / str(number)).mkdir()
         study = make_study(folder / str(number))
-        run = start(study)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            run.wait(draw.uniform(0.3, 1.0) * reference.seconds)
-        with contextlib.suppress(ProcessLookupError):
-            (os.killpg if whole_tree else os.kill)(run.pid, signal.SIGKILL)
-        run.wait()
+        _kill(start(study), draw.uniform(0.1, 1.0) * reference.seconds, whole_tree)
         trouble, again = _recovered(study, reference, ledgers(study))
         failures += [f"{number}: {trouble}"] if trouble else []
         lost += again
         shutil.rmtree(study)
     return Outcome(times, tuple(failures), lost, f"a study of {reference.seconds:.0f} s, killed at any moment of it")
+
+
+def _kill(run: subprocess.Popen, seconds: float, whole_tree: bool) -> None:
+    """Kill a study after some seconds, with all its jobs or without."""
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        run.wait(seconds)
+    with contextlib.suppress(ProcessLookupError):
+        (os.killpg if whole_tree else os.kill)(run.pid, signal.SIGKILL)
+    run.wait()
+    until = time.monotonic() + PATIENCE
+    while whole_tree and _group_is_alive(run.pid) and time.monotonic() < until:
+        time.sleep(0.01)
+
+
+def _group_is_alive(group: int) -> bool:
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def kill_tree(folder: Path, times: int, seed: int) -> Outcome:
@@ -193,12 +221,12 @@ def kill_writers(folder: Path, times: int, seed: int) -> Outcome:
 def kill_jobs(folder: Path, times: int, seed: int) -> Outcome:
     """One job of a study killed at any moment, as by a machine that runs out of memory: the others go on."""
     draw, failures, lost, killed = random.Random(seed), [], 0, 0
-    reference = Reference(folder / "reference")
+    reference = undisturbed()
     while killed < times:
         (folder / "study").mkdir()
         study = make_study(folder / "study")
         run = start(study, stderr=subprocess.PIPE, text=True)
-        time.sleep(draw.uniform(0.2, 0.7) * reference.seconds)
+        time.sleep(draw.uniform(0.1, 0.7) * reference.seconds)
         job = _one_job(run.pid, draw)
         if job:
             os.kill(job, signal.SIGKILL)
@@ -217,8 +245,14 @@ def _one_job(study: int, draw: random.Random) -> int:
     """The process of a step that a study has at work; 0 where there is none."""
     import psutil
 
-    found = [one.pid for one in psutil.Process(study).children(recursive=True) if "step" in one.cmdline()[:4]]
-    return draw.choice(found) if found else 0
+    until = time.monotonic() + PATIENCE
+    while time.monotonic() < until and psutil.Process(study).status() != psutil.STATUS_ZOMBIE:
+        with contextlib.suppress(psutil.Error):
+            found = [one.pid for one in psutil.Process(study).children(recursive=True) if "step" in one.cmdline()[:4]]
+            if found:
+                return draw.choice(found)
+        time.sleep(0.02)
+    return 0
 
 
 # ---- two at once ----
@@ -227,7 +261,7 @@ def _one_job(study: int, draw: random.Random) -> int:
 def concurrent_starts(folder: Path, times: int, seed: int) -> Outcome:
     """Three commands in one folder at once: one works, the others say who does, and end with exit code 3."""
     failures = []
-    reference = Reference(folder / "reference")
+    reference = undisturbed()
     for number in range(times):
         (folder / str(number)).mkdir()
         study = make_study(folder / str(number))
@@ -284,7 +318,7 @@ def disk_full(folder: Path, times: int, seed: int) -> Outcome:
     draw, failures, lost, full = random.Random(seed), [], 0, 0
     if not can_mount(folder / "trial"):
         return NO_DISK
-    reference = Reference(folder / "reference")
+    reference = undisturbed()
     needed = sum(path.stat().st_size for path in reference.folder.rglob("*") if path.is_file())
     number = 0
     while full < times:
@@ -350,19 +384,23 @@ def _run_scene(scene: Path, results: Path, full_after: tuple[Path, int, int] | N
     return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in shards}
 
 
+PLACES = (".", "shards/spans", "stamps", "tables", "plans")
+OVERRIDE = "-dac_override,-dac_read_search"
+# The superuser may write everywhere, unless this is taken away.
+UNPRIVILEGED = ["setpriv", "--bounding-set", OVERRIDE, "--inh-caps", OVERRIDE] if os.getuid() == 0 else []
+
+
 def read_only(folder: Path, times: int, seed: int) -> Outcome:
     """A disk that may only be read, before the study or in the middle of it."""
     draw, failures, lost = random.Random(seed), [], 0
     if not can_mount(folder / "trial"):
         return NO_DISK
-    reference = Reference(folder / "reference")
+    reference = undisturbed()
     for number in range(times):
         with small_disk(folder / str(number), 2**28) as disk:
             make_study(disk)
             if number % 2:
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    start(disk).wait(draw.uniform(0.2, 0.8) * reference.seconds)
-                subprocess.run(["pkill", "-KILL", "-f", str(disk)], check=False)
+                _kill(start(disk), draw.uniform(0.2, 0.8) * reference.seconds, whole_tree=True)
             remount(disk, "ro")
             run = finish(disk)
             line = last_line(run)
@@ -377,41 +415,25 @@ def read_only(folder: Path, times: int, seed: int) -> Outcome:
 
 
 def no_permission(folder: Path, times: int, seed: int) -> Outcome:
-    """Folders and files that another user may not write."""
+    """A folder in the results that may not be written, once more each time."""
     failures = []
-    reference = Reference(folder / "reference")
-    user = {"user": 65534, "group": 65534} if os.getuid() == 0 else {}
-    home = {"env": {**os.environ, "HOME": str(folder / "home"), "XDG_CACHE_HOME": str(folder / "home")}}
-    places = ["results/small", "results", "results/small/shards/spans", "results/small/stamps", "results/small/tables"]
-    (folder / "home").mkdir()
-    for path in (folder, *folder.parents):
-        _open_to_all(path)
-    (folder / "home").chmod(0o777)
+    reference = undisturbed()
     for number in range(times):
         study = Path(shutil.copytree(reference.folder, folder / str(number)))
-        place = places[number % len(places)]
-        for path in study.glob("results/small/stamps/*"):
+        place = study / "results" / NAME / PLACES[number % len(PLACES)]
+        for path in (*study.glob("results/small/stamps/*"), *study.glob("results/small/shards/spans/*")):
             path.unlink()
-        shutil.rmtree(study / "results" / NAME / "shards" / "spans")
-        (study / "results" / NAME / "shards" / "spans").mkdir()
-        for path in (study, *study.rglob("*")):
-            path.chmod(0o777 if path.is_dir() else 0o666)
-        (study / place).chmod(0o555)
-        run = finish(study, **user, **home)
+        place.chmod(0o555)
+        run = finish(study, before=UNPRIVILEGED)
         line = last_line(run)
-        if run.returncode != 3 or "Permission denied" not in line or str(place) not in line or "Trace" in run.stderr:
-            failures.append(f"{number}: {place}: exit code {run.returncode}: {line}")
-        (study / place).chmod(0o777)
-        run = finish(study, **user, **home)
-        trouble = reference.difference(study) or (f"exit code {run.returncode}" if run.returncode != 1 else "")
+        named = "Permission denied" in line and str(place.relative_to(study)) in line
+        if run.returncode != 3 or not named or "Traceback" in run.stderr:
+            failures.append(f"{number}: {place.name}: exit code {run.returncode}: {line}")
+        place.chmod(0o755)
+        trouble, _ = _recovered(study, reference, {})
         failures += [f"{number}: {trouble}"] if trouble else []
         shutil.rmtree(study)
-    return Outcome(times, tuple(failures), 0, f"of {', '.join(places)}")
-
-
-def _open_to_all(path: Path) -> None:
-    with contextlib.suppress(PermissionError):
-        path.chmod(path.stat().st_mode | 0o055)
+    return Outcome(times, tuple(failures), 0, f"of results: {', '.join(PLACES)}")
 
 
 def no_memory(folder: Path, times: int, seed: int) -> Outcome:
