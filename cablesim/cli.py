@@ -161,8 +161,15 @@ def scenes(results: Path, scene: str | None) -> None:
     if scene is not None:
         click.echo(scene_table(scene, open_scene(results, scene)))
         return
+    faults = []
     for name, path in scene_paths(results).items():
-        click.echo(scene_line(name, read_dataset(path)))
+        try:
+            click.echo(scene_line(name, read_dataset(path)))
+        except EnvironmentFault as fault:
+            faults.append(str(fault))
+    if faults:
+        more = f" (and {len(faults) - 1} more files)" if len(faults) > 1 else ""
+        raise EnvironmentFault(faults[0] + more)
 
 
 @cli.command()

@@ -13,6 +13,8 @@ from pathlib import Path
 from cablesim.errors import EnvironmentFault
 
 LEDGER_SUFFIX = ".json"
+# Lists that take down which files are written.
+_records: list[list[Path]] = []
 
 
 @contextmanager
@@ -28,6 +30,8 @@ def written_whole(path: Path) -> Iterator[Path]:
         _sync(temporary)
         temporary.replace(path)
         _sync(path.parent)
+        for record in _records:
+            record.append(path)
     except (OSError, RuntimeError) as problem:
         size = temporary.stat().st_size if temporary.exists() else 0
         reason = getattr(problem, "strerror", None) or problem
@@ -38,6 +42,33 @@ def written_whole(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+@contextmanager
+def recording() -> Iterator[list[Path]]:
+    """The files that are written meanwhile."""
+    written: list[Path] = []
+    _records.append(written)
+    try:
+        yield written
+    finally:
+        _records.remove(written)
+
+
+def write_stamp(path: Path, files: list[Path]) -> None:
+    """Write the digests of files that were written in a step, by their paths from the folder of the results."""
+    root = path.parent.parent
+    entries = {os.path.relpath(file, root): digest_of(file) for file in files}
+    write_text(path, json.dumps(entries, indent=1, sort_keys=True) + "\n")
+
+
+def holds_good(stamp: Path) -> bool:
+    """Whether every file that a stamp vouches for is still what was written."""
+    try:
+        entries = json.loads(stamp.read_text(encoding="utf-8"))
+        return all(digest_of(stamp.parent.parent / name) == digest for name, digest in entries.items())
+    except (OSError, ValueError, AttributeError):
+        return False
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all."""
     with written_whole(path) as temporary:
@@ -45,8 +76,8 @@ def write_text(path: Path, text: str) -> None:
 
 
 def ledger(path: Path) -> Path:
-    """The file beside `path` that vouches for it."""
-    return path.with_suffix(LEDGER_SUFFIX)
+    """The file beside `path` that vouches for it: `spans.json` for `spans.nc`, `x.parquet.json` for `x.parquet`."""
+    return path.with_suffix(LEDGER_SUFFIX) if path.suffix == ".nc" else path.with_name(path.name + LEDGER_SUFFIX)
 
 
 def enter_in_ledger(path: Path, seconds: float = 0.0, complete: bool = True) -> None:
@@ -96,8 +127,15 @@ def check(path: Path) -> Checked:
         if not entry["complete"]:
             return Checked(Condition.partial)
         return Checked(Condition.whole, float(entry["seconds"]))
-    except (ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError):
         return Checked(Condition.damaged)
+
+
+def refuse_damage(path: Path) -> None:
+    """Raise EnvironmentFault for a file that is not the one in its ledger; without a ledger nobody knows."""
+    condition = check(path).condition
+    if condition in (Condition.damaged, Condition.foreign):
+        raise EnvironmentFault(f"{path}: {condition.value}; run the study again")
 
 
 def recorded_digest(path: Path) -> str:

@@ -15,8 +15,9 @@ from cablesim.config.table import Table
 from cablesim.database.shard_file import small_chunk_cache
 from cablesim.database.timing import MEASURED
 from cablesim.design import SCENARIO
-from cablesim.errors import EnvironmentFault, InputError, nearest
+from cablesim.errors import CablesimError, EnvironmentFault, InputError, nearest
 from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse
+from cablesim.files import refuse_damage
 from cablesim.quantities import component_names, is_list, is_vector, list_name, quantity
 
 # Of a dataset that is read into memory as a whole.
@@ -73,13 +74,18 @@ def is_pattern(names: str) -> bool:
 def open_dataset(path: Path, **options: Any) -> xr.Dataset:
     """A dataset file and its group of measured values as one lazy dataset, with the attributes of both.
 
-    Raises EnvironmentFault for a file that cannot be read.
+    Raises EnvironmentFault for a file that is not the one in its ledger, is no dataset of ours, or cannot be read. One
+    without a ledger, copied by itself, is opened.
     """
-    with _readable(path), small_chunk_cache():
+    with readable(path), small_chunk_cache():
+        refuse_damage(path)
         dataset, measured = (
             xr.open_dataset(path, engine="netcdf4", group=group, **options) for group in (None, MEASURED)
         )
-    whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
+        whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
+    lacking = sorted({"method", "status"} - whole.variables.keys() | {"title", "methods"} - whole.attrs.keys())
+    if lacking:
+        raise EnvironmentFault(f"{path}: not a dataset of a scene: it has no {lacking[0]}")
 
     def close() -> None:
         dataset.close()
@@ -90,11 +96,14 @@ def open_dataset(path: Path, **options: Any) -> xr.Dataset:
 
 
 @contextmanager
-def _readable(path: Path) -> Iterator[None]:
+def readable(path: Path | str) -> Iterator[None]:
+    """Whatever goes wrong while a file is read is an EnvironmentFault: libraries raise anything of a damaged one."""
     try:
         yield
-    except (OSError, KeyError, ValueError, RuntimeError) as problem:
-        raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
+    except CablesimError:
+        raise
+    except Exception as problem:
+        raise EnvironmentFault(f"{path}: cannot be read ({str(problem) or type(problem).__name__})") from None
 
 
 def read_dataset(path: Path) -> xr.Dataset:
@@ -102,7 +111,7 @@ def read_dataset(path: Path) -> xr.Dataset:
     whole = open_dataset(path, cache=False)
     if whole.nbytes > MOST_BYTES:
         return whole
-    with _readable(path), whole:
+    with readable(path), whole:
         return whole.load()
 
 

@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from cablesim import units
-from cablesim.database.reading import name_is_unknown, of_scenarios, scene_lookup
+from cablesim.database.reading import name_is_unknown, of_scenarios, readable, scene_lookup
 from cablesim.database.shard_file import chunk_sizes
-from cablesim.errors import EnvironmentFault, InputError, nearest
+from cablesim.errors import InputError, nearest
 from cablesim.expressions import WORDS, Expression, Lookup, Term, UnknownName, parse
 
 # Scenarios of a block, where one number each is read of them.
@@ -113,10 +113,8 @@ def read(values: xr.DataArray, points: Points) -> xr.Variable:
     """Values at some points, read as one piece and then picked from. Raises EnvironmentFault where that fails."""
     inside = {dim: own for dim, own in points.items() if dim in values.dims}
     pieces = {dim: slice(int(own[0]), int(own[-1]) + 1) if own.size else slice(0, 0) for dim, own in inside.items()}
-    try:
+    with readable(values.encoding.get("source", values.name)):
         piece = values.variable.isel(pieces).load()
-    except (OSError, RuntimeError) as problem:
-        raise EnvironmentFault(f"{values.encoding.get('source', values.name)}: cannot be read ({problem})") from None
     gaps = {dim: own - own[0] for dim, own in inside.items() if own.size and own.size < piece.sizes[dim]}
     return piece.isel(gaps)
 
