@@ -56,16 +56,17 @@ def recording() -> Iterator[list[Path]]:
 def write_stamp(path: Path, files: list[Path]) -> None:
     """Write the digests of files that were written in a step, by their paths from the folder of the results."""
     root = path.parent.parent
-    entries = {os.path.relpath(file, root): digest_of(file) for file in files}
-    write_text(path, json.dumps(entries, indent=1, sort_keys=True) + "\n")
+    digests = {os.path.relpath(file, root): digest_of(file) for file in files}
+    write_text(path, json.dumps({"stamp": path.name, "files": digests}, indent=1, sort_keys=True) + "\n")
 
 
 def holds_good(stamp: Path) -> bool:
     """Whether every file that a stamp vouches for is still what was written."""
     try:
-        entries = json.loads(stamp.read_text(encoding="utf-8"))
-        return all(digest_of(stamp.parent.parent / name) == digest for name, digest in entries.items())
-    except (OSError, ValueError, AttributeError):
+        entry = json.loads(stamp.read_text(encoding="utf-8"))
+        same = (digest_of(stamp.parent.parent / name) == digest for name, digest in entry["files"].items())
+        return entry["stamp"] == stamp.name and all(same)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return False
 
 
@@ -131,11 +132,12 @@ def check(path: Path) -> Checked:
         return Checked(Condition.damaged)
 
 
-def refuse_damage(path: Path) -> None:
-    """Raise EnvironmentFault for a file that is not the one in its ledger; without a ledger nobody knows."""
+def is_vouched_for(path: Path) -> bool:
+    """Whether there is a ledger, and the file is as it says. Raises EnvironmentFault where it is not."""
     condition = check(path).condition
     if condition in (Condition.damaged, Condition.foreign):
         raise EnvironmentFault(f"{path}: {condition.value}; run the study again")
+    return condition in (Condition.whole, Condition.partial)
 
 
 def recorded_digest(path: Path) -> str:

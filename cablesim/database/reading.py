@@ -1,11 +1,13 @@
 """Open what a study has made, and give its names a meaning in formulas and conditions."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
@@ -17,9 +19,11 @@ from cablesim.database.timing import MEASURED
 from cablesim.design import SCENARIO
 from cablesim.errors import CablesimError, EnvironmentFault, InputError, nearest
 from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse
-from cablesim.files import refuse_damage
+from cablesim.files import is_vouched_for
 from cablesim.quantities import component_names, is_list, is_vector, list_name, quantity
 
+# No file is compressed by more than that.
+MOST_COMPRESSED = 10_000
 # Of a dataset that is read into memory as a whole.
 MOST_BYTES = 2**27
 
@@ -78,7 +82,8 @@ def open_dataset(path: Path, **options: Any) -> xr.Dataset:
     without a ledger, copied by itself, is opened.
     """
     with readable(path), small_chunk_cache():
-        refuse_damage(path)
+        if not is_vouched_for(path):
+            _refuse_vast(path)
         dataset, measured = (
             xr.open_dataset(path, engine="netcdf4", group=group, **options) for group in (None, MEASURED)
         )
@@ -93,6 +98,15 @@ def open_dataset(path: Path, **options: Any) -> xr.Dataset:
 
     whole.set_close(close)
     return whole
+
+
+def _refuse_vast(path: Path) -> None:
+    """Raise EnvironmentFault for a file that says it holds more than can be in it: reading would take all memory."""
+    with netCDF4.Dataset(path) as file:
+        variables = [variable for group in (file, *file.groups.values()) for variable in group.variables.values()]
+        size = sum(math.prod(one.shape) * getattr(one.dtype, "itemsize", 1) for one in variables)
+    if size > MOST_COMPRESSED * path.stat().st_size:
+        raise EnvironmentFault(f"{path}: cannot be read (it says that it holds {size} bytes, which is not possible)")
 
 
 @contextmanager

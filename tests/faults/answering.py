@@ -26,11 +26,15 @@ def stored_values(results: str) -> int:
     import hashlib
 
     from cablesim import open_study
+    from cablesim.errors import EnvironmentFault
 
     study = open_study(results)
     print(study.catalogue.to_csv())
     for scene in study:
-        dataset = study[scene].load(scheduler="synchronous")
+        try:
+            dataset = study[scene].load(scheduler="synchronous")
+        except (OSError, RuntimeError, MemoryError) as problem:
+            raise EnvironmentFault(f"{scene}.nc: {problem}") from None
         for name, values in sorted(dataset.variables.items()):
             content = values.values.astype(str) if values.dtype.kind in "UOT" else values.values
             print(scene, name, values.dims, values.attrs, hashlib.sha256(content.tobytes()).hexdigest())

@@ -44,7 +44,12 @@ class Told:
     def _ill_refused(self) -> str:
         """Why a refusal is none: it is one line that can be printed."""
         last = self.err.splitlines()[-1] if self.err else ""
-        told = not self.out and last.startswith("cablesim: ") and len(last) <= LONGEST_LINE and last.isprintable()
+        told = (
+            (self.code == 3 or not self.out)
+            and last.startswith("cablesim: ")
+            and len(last) <= LONGEST_LINE
+            and last.isprintable()
+        )
         return "" if told else f"an unclear refusal: {self.out[-100:]!r} {self.err[-300:]!r}"
 
     def refuses(self, code: int, *phrases: str) -> bool:
