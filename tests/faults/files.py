@@ -26,16 +26,23 @@ REPLACEABLE = tuple(way for way in ways.WAYS if way is not ways.folder)
 
 
 def mended(study: Study) -> int:
-    """Run a study until it is through, without the folders that are named as being in the way; scenarios computed."""
-    computed = 0
+    """Run a study until it is through, without the folders that are named as being in the way; shards computed."""
+    before = inodes(study)
     while True:
         try:
-            return computed + study.run()
+            study.run()
+            return len(inodes(study).items() - before.items())
         except EnvironmentFault as fault:
             in_the_way = Path(study.folder / str(fault).split(":", 1)[0])
             if not in_the_way.is_dir():
                 raise
             in_the_way.rmdir()
+
+
+def inodes(study: Study) -> dict[Path, tuple[int, int]]:
+    """What is other for every file that is written anew."""
+    found = {path: path.stat() for path in study.shards() if path.is_file()}
+    return {path: (status.st_ino, status.st_mtime_ns) for path, status in found.items()}
 
 
 def shards(folder: Path, times: int, seed: int) -> Outcome:
@@ -57,11 +64,11 @@ def shards(folder: Path, times: int, seed: int) -> Outcome:
         computed = mended(study)
         lost += computed
         if computed != len(bad):
-            failures.append(f"round {number}: {computed} scenarios were computed, {len(bad)} were lost")
+            failures.append(f"round {number}: {computed} were computed, {len(bad)} were lost")
         if study.same() != same:
             failures.append(f"round {number}: other results")
         shutil.rmtree(study.folder)
-    return Outcome(injected, tuple(failures), lost, f"{lost} scenarios computed, one for each shard that was lost")
+    return Outcome(injected, tuple(failures), lost, "as many shards were computed as were lost, byte for byte the same")
 
 
 def damage_shard(path: Path, draw: random.Random, paths: list[Path]) -> None:
