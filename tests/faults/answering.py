@@ -41,15 +41,24 @@ def stored_values(results: str) -> int:
     return 0
 
 
+def shown(results: str) -> int:
+    """Print a folder of results as a notebook shows it."""
+    from cablesim import open_study
+
+    print(open_study(results)._repr_html_())
+    return 0
+
+
 def obey(request: list[str]) -> int:
-    """The exit code of a command; `opened` is no command but a notebook, whose errors are told as the command does."""
+    """The exit code of a command; `opened` and `page` are notebooks, whose errors are told as the command does."""
     from cablesim.cli import main
     from cablesim.errors import CablesimError
 
-    if request[0] != "opened":
+    notebooks = {"opened": stored_values, "page": shown}
+    if request[0] not in notebooks:
         return main(request)
     try:
-        return stored_values(request[1])
+        return notebooks[request[0]](request[1])
     except CablesimError as problem:
         print(f"cablesim: {problem}", file=sys.stderr)
         return problem.exit_code
