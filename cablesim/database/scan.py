@@ -183,9 +183,10 @@ def _nearest(dataset: xr.Dataset, near: tuple[tuple[str, str], ...], selection: 
         for dim in map(str, values.dims):
             own = values.values[selection.points[dim]]
             width = np.ptp(values.values) or 1.0
-            distance[dim] = distance.get(dim, 0.0) + ((own - wanted) / width) ** 2
+            with np.errstate(over="ignore"):
+                distance[dim] = np.hypot(distance.get(dim, 0.0), (own - wanted) / width)
     points = {
-        dim: own[distance[dim] <= distance[dim].min() * (1.0 + 1e-9)] if dim in distance and own.size else own
+        dim: own[distance[dim] <= distance[dim].min() * (1.0 + 5e-10)] if dim in distance and own.size else own
         for dim, own in selection.points.items()
     }
     return replace(selection, points=points)

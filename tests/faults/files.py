@@ -11,7 +11,7 @@ import numpy as np
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.errors import EnvironmentFault, InputError
-from cablesim.files import check, discard, ledger
+from cablesim.files import check, discard, holds_good, ledger
 from cablesim.plan import read_plan
 from cablesim.status import Status
 from cablesim.steps import collect_partly
@@ -138,6 +138,8 @@ def is_known(study: Study, place: Path, before: bytes) -> bool:
     if path.suffix == ".npz":
         return is_same_plan(path, before)
     # A ledger without which the catalogue is read from the datasets, or of which only the seconds are others.
+    if place.parts[0] == "stamps":
+        return holds_good(path)
     return path in vouching and (place.name == "catalogue.parquet.json" or check(vouching[path]).whole)
 
 

@@ -44,9 +44,21 @@ def number(draw: random.Random) -> str:
     return repr(draw.choice([-1.0, 1.0]) * 10.0 ** draw.uniform(-320, 308))
 
 
+def extreme(draw: random.Random) -> str:
+    """A number that is one, of any magnitude that is taken and beyond."""
+    return repr(draw.choice([1.0, 1.0, 1.0, -1.0]) * 10.0 ** draw.choice([draw.uniform(-62, 62), draw.uniform(-3, 3)]))
+
+
 def word(draw: random.Random) -> str:
     """A word, or two of them in one."""
     return draw.choice(WORDS) if draw.random() < 0.7 else draw.choice(WORDS) + draw.choice(WORDS)
+
+
+def printed(draw: random.Random) -> str:
+    """A word that can be printed, mostly."""
+    return (
+        draw.choice([one for one in WORDS if one.strip() and one.isprintable()]) if draw.random() < 0.95 else word(draw)
+    )
 
 
 def spoilt(text: str, draw: random.Random) -> bytes:

@@ -91,9 +91,10 @@ def swapped(path: Path, draw: random.Random, others: list[Path]) -> None:
     other = draw.choice([other for other in others if other != path])
     pairs = [(path, other), (ledger(path), ledger(other))]
     for one, two in pairs[: draw.choice([1, 2])]:
-        content = one.read_bytes()
-        one.write_bytes(two.read_bytes())
-        two.write_bytes(content)
+        if one.is_file() and two.is_file():
+            content = one.read_bytes()
+            one.write_bytes(two.read_bytes())
+            two.write_bytes(content)
 
 
 def netcdf(path: Path, draw: random.Random, others: list[Path]) -> None:
