@@ -202,8 +202,15 @@ def scenes(results: Path, scene: str | None) -> None:
     if scene is not None:
         click.echo(scene_table(scene, open_scene(results, scene)))
         return
+    faults = []
     for name, path in scene_paths(results).items():
-        click.echo(scene_line(name, read_dataset(path)))
+        try:
+            click.echo(scene_line(name, read_dataset(path)))
+        except EnvironmentFault as fault:
+            faults.append(str(fault))
+    if faults:
+        more = f" (and {len(faults) - 1} more files)" if len(faults) > 1 else ""
+        raise EnvironmentFault(faults[0] + more)
 
 
 @cli.command()
@@ -497,7 +504,8 @@ def _end(arguments: list[str]) -> tuple[str, int]:
 
 
 def _one_line(message: str) -> str:
-    line = " ".join(message.split())
+    """What was typed may hold what a terminal would obey, and what cannot be written at all."""
+    line = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in " ".join(message.split()))
     return line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE // 2]} ... {line[-LONGEST_LINE // 4 :]}"
 
 

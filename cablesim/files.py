@@ -13,6 +13,8 @@ from pathlib import Path
 from cablesim.errors import EnvironmentFault
 
 LEDGER_SUFFIX = ".json"
+# Lists that take down which files are written.
+_records: list[list[Path]] = []
 
 
 @contextmanager
@@ -28,6 +30,8 @@ def written_whole(path: Path) -> Iterator[Path]:
         _sync(temporary)
         temporary.replace(path)
         _sync(path.parent)
+        for record in _records:
+            record.append(path)
     except (OSError, RuntimeError) as problem:
         size = temporary.stat().st_size if temporary.exists() else 0
         reason = getattr(problem, "strerror", None) or problem
@@ -50,6 +54,34 @@ def is_alive(process: int | str) -> bool:
     return str(process).isdigit() and psutil.pid_exists(int(process))
 
 
+@contextmanager
+def recording() -> Iterator[list[Path]]:
+    """The files that are written meanwhile."""
+    written: list[Path] = []
+    _records.append(written)
+    try:
+        yield written
+    finally:
+        _records.remove(written)
+
+
+def write_stamp(path: Path, files: list[Path]) -> None:
+    """Write the digests of files that were written in a step, by their paths from the folder of the results."""
+    root = path.parent.parent
+    digests = {os.path.relpath(file, root): digest_of(file) for file in files}
+    write_text(path, json.dumps({"stamp": path.name, "files": digests}, indent=1, sort_keys=True) + "\n")
+
+
+def holds_good(stamp: Path) -> bool:
+    """Whether every file that a stamp vouches for is still what was written."""
+    try:
+        entry = json.loads(stamp.read_text(encoding="utf-8"))
+        same = (digest_of(stamp.parent.parent / name) == digest for name, digest in entry["files"].items())
+        return entry["stamp"] == stamp.name and all(same)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return False
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all."""
     with written_whole(path) as temporary:
@@ -57,8 +89,8 @@ def write_text(path: Path, text: str) -> None:
 
 
 def ledger(path: Path) -> Path:
-    """The file beside `path` that vouches for it."""
-    return path.with_suffix(LEDGER_SUFFIX)
+    """The file beside `path` that vouches for it: `spans.json` for `spans.nc`, `x.parquet.json` for `x.parquet`."""
+    return path.with_suffix(LEDGER_SUFFIX) if path.suffix == ".nc" else path.with_name(path.name + LEDGER_SUFFIX)
 
 
 def enter_in_ledger(path: Path, seconds: float = 0.0, complete: bool = True) -> None:
@@ -108,8 +140,16 @@ def check(path: Path) -> Checked:
         if not entry["complete"]:
             return Checked(Condition.partial)
         return Checked(Condition.whole, float(entry["seconds"]))
-    except (ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError):
         return Checked(Condition.damaged)
+
+
+def is_vouched_for(path: Path) -> bool:
+    """Whether there is a ledger, and the file is as it says. Raises EnvironmentFault where it is not."""
+    condition = check(path).condition
+    if condition in (Condition.damaged, Condition.foreign):
+        raise EnvironmentFault(f"{path}: {condition.value}; run the study again")
+    return condition in (Condition.whole, Condition.partial)
 
 
 def recorded_digest(path: Path) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 
 from cablesim.config.scene import Scene
 from cablesim.design import Axis
-from cablesim.errors import EnvironmentFault, InputError
+from cablesim.errors import CablesimError, EnvironmentFault, InputError
 from cablesim.files import written_whole
 from cablesim.shards import SECONDS_PER_SHARD, MethodPlan, Placement, Recipe, plan_methods
 from cablesim.sources import source_digest
@@ -68,9 +68,10 @@ def plan_digest(scene: Scene) -> str:
 
 def plan_scene(scene: Scene, folder: Path) -> ScenePlan:
     """The plan of a scene, from `folder` if it is there already, made and written there if not."""
-    plan = make_plan(scene, folder)
-    path = plan_path(folder, plan.scene, plan.digest)
-    if not path.exists():
+    path = plan_path(folder, scene.name, plan_digest(scene))
+    plan = _kept(path)
+    if plan is None:
+        plan = make_plan(scene, folder)
         _write(path, plan)
     return plan
 
@@ -78,13 +79,20 @@ def plan_scene(scene: Scene, folder: Path) -> ScenePlan:
 def make_plan(scene: Scene, folder: Path) -> ScenePlan:
     """The same, but nothing is written."""
     digest = plan_digest(scene)
-    path = plan_path(folder, scene.name, digest)
-    if path.exists():
-        return read_plan(path)
-    known = (
-        recipe for other in sorted(folder.glob(f"{scene.name}.*.npz")) for recipe in read_plan(other).recipes.values()
-    )
+    kept = _kept(plan_path(folder, scene.name, digest))
+    if kept is not None:
+        return kept
+    others = (_kept(other) for other in sorted(folder.glob(f"{scene.name}.*.npz")))
+    known = (recipe for other in others if other is not None for recipe in other.recipes.values())
     return ScenePlan(scene.name, digest, plan_methods(scene, known))
+
+
+def _kept(path: Path) -> ScenePlan | None:
+    """The plan in a file; None where there is none, or a damaged one, which can be made again."""
+    try:
+        return read_plan(path)
+    except CablesimError:
+        return None
 
 
 def plan_path(folder: Path, scene: str, digest: str) -> Path:
@@ -93,18 +101,33 @@ def plan_path(folder: Path, scene: str, digest: str) -> Path:
 
 
 def read_plan(path: Path) -> ScenePlan:
-    """Read a plan. Raises EnvironmentFault where the file is damaged, InputError where it is missing."""
+    """Read a plan. Raises EnvironmentFault where the file is damaged or another's, InputError where it is missing."""
     if not path.is_file():
         raise InputError(f"{path}: no such plan")
     try:
-        with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-        head = json.loads(arrays.pop("head").tobytes())
-        recipes = {digest: _recipe(digest, entry, arrays) for digest, entry in head["recipes"].items()}
-        methods = tuple(_method(i, entry, recipes, arrays) for i, entry in enumerate(head["methods"]))
-        return ScenePlan(head["scene"], head["digest"], methods)
-    except (OSError, ValueError, KeyError, EOFError, IndexError, zipfile.BadZipFile) as problem:
-        raise EnvironmentFault(f"{path}: damaged ({problem}); delete it and run the study again") from None
+        plan = _read(path)
+    # A damaged archive makes its readers raise almost anything.
+    except Exception as problem:
+        reason = str(problem) or type(problem).__name__
+        raise EnvironmentFault(f"{path}: damaged ({reason}); delete it and run the study again") from None
+    if path.name != plan_path(path.parent, plan.scene, plan.digest).name:
+        raise EnvironmentFault(f"{path}: foreign (it is the plan of {plan.scene}, {plan.digest}); delete it")
+    return plan
+
+
+def _read(path: Path) -> ScenePlan:
+    with zipfile.ZipFile(path) as archive:
+        if any(member.compress_type != zipfile.ZIP_STORED for member in archive.infolist()):
+            raise ValueError("it is compressed, as no plan is")
+    with np.load(path, allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    head = json.loads(arrays.pop("head").tobytes())
+    recipes = {digest: _recipe(digest, entry, arrays) for digest, entry in head["recipes"].items()}
+    for digest, recipe in recipes.items():
+        if recipe.digest != digest:
+            raise ValueError(f"the shard {digest} is another's")
+    methods = tuple(_method(i, entry, recipes, arrays) for i, entry in enumerate(head["methods"]))
+    return ScenePlan(head["scene"], head["digest"], methods)
 
 
 def _write(path: Path, plan: ScenePlan) -> None:

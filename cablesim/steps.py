@@ -13,7 +13,7 @@ from pathlib import Path
 
 from cablesim.config.scene import Scene
 from cablesim.errors import EnvironmentFault, InputError
-from cablesim.files import Checked, check, write_text
+from cablesim.files import LEDGER_SUFFIX, Checked, check, recording, write_stamp, write_text
 from cablesim.plan import ScenePlan, plan_digest, plan_scene, read_plan
 from cablesim.shards import Recipe
 from cablesim.sources import code_digest
@@ -100,7 +100,7 @@ def _collect(scene: Scene, layout: Layout, whole: bool) -> dict[Path, Checked]:
     from cablesim.database.timing import read_timings
 
     measured_at = timings_path(scene, layout)
-    timings = read_timings(measured_at) if measured_at and (whole or measured_at.exists()) else None
+    timings = read_timings(measured_at) if measured_at and (whole or check(measured_at).whole) else None
     plan = sample(scene, layout)
     return collect(layout.dataset(scene.name), scene, plan, layout.shards(scene.name), revision(), timings)
 
@@ -174,7 +174,7 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> tuple[ScenePl
         progress("solve", done, len(plan.recipes))
         computed += _solve(recipe, folder)
     timings = timings_path(scene, layout)
-    if timings and not timings.exists():
+    if timings and not check(timings).whole:
         progress("measure", 0, 1)
         command = [sys.executable, "-m", "cablesim", "step", "measure", str(scene.path), str(layout.root)]
         subprocess.run(command, check=True)
@@ -186,7 +186,7 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> tuple[ScenePl
 
 
 def run_step(name: str, scene: Scene, layout: Layout, stamp: Path | None = None) -> None:
-    """Run a step of a scene and leave its stamp: an empty file named by the content that the step was done for.
+    """Run a step of a scene and leave its stamp: the digests of its files, named by the content it was done for.
 
     Stamps of other content go first, because the files that they vouched for are about to be replaced.
     """
@@ -196,9 +196,10 @@ def run_step(name: str, scene: Scene, layout: Layout, stamp: Path | None = None)
 def _leave(stamp: Path | None, earlier: list[Path], work: Callable[[], None]) -> None:
     for old in earlier:
         old.unlink(missing_ok=True)
-    work()
+    with recording() as written:
+        work()
     if stamp is not None:
-        write_text(stamp, "")
+        write_stamp(stamp, [path for path in written if path.suffix != LEDGER_SUFFIX])
 
 
 def revision() -> str:

@@ -75,7 +75,9 @@ def _powers(unit: str) -> dict[str, int]:
 
 
 def is_known(unit: str) -> bool:
-    """Whether a unit can be used."""
+    """Whether a unit can be used: it is a plain product, and all of it is known."""
+    if unit != "1" and not re.fullmatch(UNIT, unit):
+        return False
     try:
         _unit(unit)
     except InputError:

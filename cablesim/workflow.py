@@ -7,7 +7,7 @@ from functools import cache, cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
-from cablesim.files import check
+from cablesim.files import check, discard, holds_good
 from cablesim.held import hold_for_good
 from cablesim.plan import ScenePlan
 from cablesim.sources import code_digest
@@ -130,7 +130,8 @@ def _plan_study(config: Path, checking: bool, holding: bool) -> PlannedStudy:
     if checking:
         for scene in scenes:
             _forget_lost_files(scene)
-        if not layout.catalogue.is_file() or not all(Path(scene.stamp("collect")).exists() for scene in scenes):
+        collected = all(Path(scene.stamp("collect")).exists() for scene in scenes)
+        if not collected or not holds_good(Path(planned.catalogue_stamp)):
             Path(planned.catalogue_stamp).unlink(missing_ok=True)
     return planned
 
@@ -142,12 +143,11 @@ def _forget_lost_files(scene: PlannedScene) -> None:
         paths = [layout.shards(name) / f"{shard}.nc" for shard in shards]
         if not all(check(path).whole for path in paths):
             scene.bundle_stamp(bundle).unlink(missing_ok=True)
-    found = {
-        "collect": [layout.dataset(name)],
-        "summarise": [layout.tables / f"{name}_status.csv"],
-        "figures": [layout.figures / f"{name}_{figure.name}.svg" for figure in scene.scene.figures],
-    }
-    lost = [step for step, paths in found.items() if not all(path.is_file() for path in paths)]
-    lost += [] if check(layout.dataset(name)).whole else ["collect"]
-    for step in found if "collect" in lost else lost:
+    lost = {step for step in STEP_MODULES if not holds_good(Path(scene.stamp(step)))}
+    measured = [Path(path) for path in scene.timings if not check(Path(path)).whole]
+    for path in measured:
+        discard(path)
+    if measured or not check(layout.dataset(name)).whole:
+        lost.add("collect")
+    for step in STEP_MODULES if "collect" in lost else lost:
         Path(scene.stamp(step)).unlink(missing_ok=True)

@@ -1,10 +1,14 @@
 """What the tests share: tables beside them, parameters drawn from the declared ranges, and relative errors."""
 
 import csv
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 
+from cablesim.files import enter_in_ledger
 from cablesim.numerics import Array
 from cablesim.parameters import ParameterSpec
 from cablesim.quantities import is_list
@@ -25,6 +29,14 @@ def read_table(path: Path) -> dict[str, Array]:
     with path.open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(line for line in file if not line.startswith("#"))
     return {name: _column(cells) for name, cells in zip(head, zip(*rows, strict=True), strict=True)}
+
+
+@contextmanager
+def rewritten(path: Path) -> Iterator[netCDF4.Dataset]:
+    """A dataset to be changed, and entered in its ledger as if it had been written so."""
+    with netCDF4.Dataset(path, "a") as file:
+        yield file
+    enter_in_ledger(path)
 
 
 def problems(solver: str) -> tuple[tuple[str, ...], ...]:

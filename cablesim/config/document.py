@@ -39,8 +39,8 @@ class Node:
             self.fail(f"a mapping (key: value) is expected, not {_kind(self.value)}")
         entries = {}
         for key in self.value:
-            if not isinstance(key, str):
-                self.fail(f"the key {key!r} must be a word")
+            if not isinstance(key, str) or not key.isprintable():
+                self.fail(f"the key {key!r:.60} must be a word")
             known = None if optional is None else (*required, *optional)
             entry = Node(self.file, _line(self.value, key, self.line), f"{self.key}.{key}".lstrip("."), self.value[key])
             if known is not None and key not in known:

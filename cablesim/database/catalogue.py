@@ -16,7 +16,7 @@ import xarray as xr
 from cablesim.database import CATALOGUE_FILE
 from cablesim.database.collect import MEASURED_NAMES
 from cablesim.database.reading import flag_words, of_scenarios, open_dataset, scene_paths, with_components
-from cablesim.files import recorded_digest, written_whole
+from cablesim.files import check, enter_in_ledger, recorded_digest, written_whole
 from cablesim.status import SENTENCES, Status
 
 COLUMNS = ("scene", "kind", "name", "unit", "lowest", "highest", "number", "meaning", "digest")
@@ -44,8 +44,10 @@ def catalogue(results: Path) -> pd.DataFrame:
 
 def write_catalogue(results: Path) -> None:
     """Write the catalogue of a folder, whole."""
-    with written_whole(results / CATALOGUE_FILE) as temporary:
+    path = results / CATALOGUE_FILE
+    with written_whole(path) as temporary:
         catalogue(results).to_parquet(temporary, index=False)
+    enter_in_ledger(path)
 
 
 def describe(scene: str, dataset: xr.Dataset, digest: str = "") -> pd.DataFrame:
@@ -61,7 +63,9 @@ def describe(scene: str, dataset: xr.Dataset, digest: str = "") -> pd.DataFrame:
 
 
 def _stored(path: Path) -> dict[Any, pd.DataFrame]:
-    """The stored rows by scene and digest; none where the file is missing or damaged."""
+    """The stored rows by scene and digest; none where the file is not what was written."""
+    if not check(path).whole:
+        return {}
     try:
         return dict(iter(pd.read_parquet(path, columns=list(COLUMNS)).groupby(["scene", "digest"])))
     except (OSError, ValueError, KeyError):

@@ -1,11 +1,13 @@
 """Open what a study has made, and give its names a meaning in formulas and conditions."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import xarray as xr
 
@@ -15,10 +17,13 @@ from cablesim.config.table import Table
 from cablesim.database.shard_file import small_chunk_cache
 from cablesim.database.timing import MEASURED
 from cablesim.design import SCENARIO
-from cablesim.errors import EnvironmentFault, InputError, nearest
+from cablesim.errors import CablesimError, EnvironmentFault, InputError, nearest
 from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownName, parse
+from cablesim.files import is_vouched_for
 from cablesim.quantities import component_names, is_list, is_vector, list_name, quantity
 
+# No file is compressed by more than that.
+MOST_COMPRESSED = 10_000
 # Of a dataset that is read into memory as a whole.
 MOST_BYTES = 2**27
 
@@ -78,13 +83,19 @@ def is_pattern(names: str) -> bool:
 def open_dataset(path: Path, **options: Any) -> xr.Dataset:
     """A dataset file and its group of measured values as one lazy dataset, with the attributes of both.
 
-    Raises EnvironmentFault for a file that cannot be read.
+    Raises EnvironmentFault for a file that is not the one in its ledger, is no dataset of ours, or cannot be read. One
+    without a ledger, copied by itself, is opened.
     """
-    with _readable(path), small_chunk_cache():
+    with readable(path), small_chunk_cache():
+        if not is_vouched_for(path):
+            _refuse_vast(path)
         dataset, measured = (
             xr.open_dataset(path, engine="netcdf4", group=group, **options) for group in (None, MEASURED)
         )
-    whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
+        whole = dataset.assign(measured.variables).assign_attrs(measured.attrs)
+    lacking = sorted({"method", "status"} - whole.variables.keys() | {"title", "methods"} - whole.attrs.keys())
+    if lacking:
+        raise EnvironmentFault(f"{path}: not a dataset of a scene: it has no {lacking[0]}")
 
     def close() -> None:
         dataset.close()
@@ -94,12 +105,24 @@ def open_dataset(path: Path, **options: Any) -> xr.Dataset:
     return whole
 
 
+def _refuse_vast(path: Path) -> None:
+    """Raise EnvironmentFault for a file that says it holds more than can be in it: reading would take all memory."""
+    with netCDF4.Dataset(path) as file:
+        variables = [variable for group in (file, *file.groups.values()) for variable in group.variables.values()]
+        size = sum(math.prod(one.shape) * getattr(one.dtype, "itemsize", 1) for one in variables)
+    if size > MOST_COMPRESSED * path.stat().st_size:
+        raise EnvironmentFault(f"{path}: cannot be read (it says that it holds {size} bytes, which is not possible)")
+
+
 @contextmanager
-def _readable(path: Path) -> Iterator[None]:
+def readable(path: Path | str) -> Iterator[None]:
+    """Whatever goes wrong while a file is read is an EnvironmentFault: libraries raise anything of a damaged one."""
     try:
         yield
-    except (OSError, KeyError, ValueError, RuntimeError) as problem:
-        raise EnvironmentFault(f"{path}: cannot be read ({problem})") from None
+    except CablesimError:
+        raise
+    except Exception as problem:
+        raise EnvironmentFault(f"{path}: cannot be read ({str(problem) or type(problem).__name__})") from None
 
 
 def read_dataset(path: Path) -> xr.Dataset:
@@ -107,7 +130,7 @@ def read_dataset(path: Path) -> xr.Dataset:
     whole = open_dataset(path, cache=False)
     if whole.nbytes > MOST_BYTES:
         return whole
-    with _readable(path), whole:
+    with readable(path), whole:
         return whole.load()
 
 

@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from cablesim import units
-from cablesim.database.reading import name_is_unknown, of_scenarios, scene_lookup
+from cablesim.database.reading import name_is_unknown, of_scenarios, readable, scene_lookup
 from cablesim.database.shard_file import chunk_sizes
-from cablesim.errors import EnvironmentFault, InputError, nearest
+from cablesim.errors import InputError, nearest
 from cablesim.expressions import WORDS, Expression, Lookup, Term, UnknownName, parse
 
 # Scenarios of a block, where one number each is read of them.
@@ -124,10 +124,8 @@ def read(values: xr.DataArray, points: Points) -> xr.Variable:
     """Values at some points, read as one piece and then picked from. Raises EnvironmentFault where that fails."""
     inside = {dim: own for dim, own in points.items() if dim in values.dims}
     pieces = {dim: slice(int(own[0]), int(own[-1]) + 1) if own.size else slice(0, 0) for dim, own in inside.items()}
-    try:
+    with readable(values.encoding.get("source", values.name)):
         piece = values.variable.isel(pieces).load()
-    except (OSError, RuntimeError) as problem:
-        raise EnvironmentFault(f"{values.encoding.get('source', values.name)}: cannot be read ({problem})") from None
     gaps = {dim: own - own[0] for dim, own in inside.items() if own.size and own.size < piece.sizes[dim]}
     return piece.isel(gaps)
 
@@ -196,9 +194,10 @@ def _nearest(dataset: xr.Dataset, near: tuple[tuple[str, str], ...], selection: 
         for dim in map(str, values.dims):
             own = values.values[selection.points[dim]]
             width = np.ptp(values.values) or 1.0
-            distance[dim] = distance.get(dim, 0.0) + ((own - wanted) / width) ** 2
+            with np.errstate(over="ignore"):
+                distance[dim] = np.hypot(distance.get(dim, 0.0), (own - wanted) / width)
     points = {
-        dim: own[distance[dim] <= distance[dim].min() * (1.0 + 1e-9)] if dim in distance and own.size else own
+        dim: own[distance[dim] <= distance[dim].min() * (1.0 + 5e-10)] if dim in distance and own.size else own
         for dim, own in selection.points.items()
     }
     return replace(selection, points=points)

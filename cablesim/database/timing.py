@@ -21,7 +21,7 @@ from cablesim.config.precision_file import WorkPrecision
 from cablesim.config.scene import Scene
 from cablesim.design import expand
 from cablesim.errors import EnvironmentFault
-from cablesim.files import write_text
+from cablesim.files import Condition, check, enter_in_ledger, write_text
 from cablesim.machine import machine
 from cablesim.solver import installed
 
@@ -76,10 +76,14 @@ def write_timings(path: Path, timings: Timings) -> None:
     for old in path.parent.glob(f"{path.name.split('.', 1)[0]}.*.json"):
         old.unlink()
     write_text(path, text)
+    enter_in_ledger(path)
 
 
 def read_timings(path: Path) -> Timings:
-    """Read a file of timings. Raises EnvironmentFault for one that is missing or damaged."""
+    """Read a file of timings. Raises EnvironmentFault for one that is missing or not what was written."""
+    condition = check(path).condition
+    if condition is not Condition.whole:
+        raise EnvironmentFault(f"{path}: {condition.value}; run the study again")
     try:
         stored = json.loads(path.read_text(encoding="utf-8"))
         methods = {

@@ -17,6 +17,7 @@ from cablesim.batch import default_outputs
 from cablesim.plan import read_plan
 from cablesim.solver import load_solver, peer_names, solver_names
 from tests.cli.helpers import Answer, scene, tree
+from tests.helpers import rewritten
 
 Ask = Callable[..., Answer]
 SCENES = sorted((Path(__file__).parents[2] / "config" / "scenes").glob("*.yaml"))
@@ -446,7 +447,7 @@ def copy(in_study: Path, tmp_path: Path) -> Path:
 
 def change(results: Path, name: str, value: float | int) -> None:
     """Overwrite a value of the first solved line in the dataset."""
-    with netCDF4.Dataset(results / "tiny.nc", "a") as file:
+    with rewritten(results / "tiny.nc") as file:
         file.variables[name][0, 0, 1] = value
 
 
@@ -459,7 +460,7 @@ def test_a_folder_compared_with_itself_is_the_same(in_study: Path, ask: Ask) -> 
 
 
 def test_measured_times_are_not_compared(copy: Path, ask: Ask) -> None:
-    with netCDF4.Dataset(copy / "tiny.nc", "a") as file:
+    with rewritten(copy / "tiny.nc") as file:
         file["measured"].variables["run_time"][:] = 1.0
     assert ask("compare", "results", copy).code == 0
 
@@ -474,7 +475,7 @@ def test_a_changed_value_is_found(name: str, value: float, copy: Path, ask: Ask)
 
 
 def test_a_change_within_the_tolerance_is_none(copy: Path, ask: Ask) -> None:
-    with netCDF4.Dataset(copy / "tiny.nc", "a") as file:
+    with rewritten(copy / "tiny.nc") as file:
         file.variables["sag"][:] *= 1.0 + 1e-9
     assert ask("compare", "results", copy).code == 1
     assert ask("compare", "results", copy, "--tolerance", "1e-8").code == 0

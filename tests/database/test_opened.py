@@ -8,13 +8,14 @@ import dask.array
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 from cablesim import open_study
 from cablesim.database import CATALOGUE_FILE
 from cablesim.database.catalogue import catalogue, write_catalogue
 from cablesim.database.reading import read_dataset
 from cablesim.errors import EnvironmentFault, InputError
-from cablesim.files import discard
+from cablesim.files import discard, enter_in_ledger
 from tests.cli.helpers import tree
 
 
@@ -36,8 +37,23 @@ def test_what_is_not_there_is_told_with_the_nearest_name(stored, tmp_path):
 
 def test_a_damaged_dataset_is_the_machines_fault(copy):
     (copy / "spans.nc").write_bytes(b"nothing")
+    with pytest.raises(EnvironmentFault, match=r"spans\.nc: damaged"):
+        open_study(copy)["spans"]
+
+
+def test_a_dataset_that_was_copied_without_its_ledger_is_opened(copy):
+    (copy / "spans.json").unlink()
+    assert open_study(copy)["spans"].sizes["span"] == 3
+    (copy / "spans.nc").write_bytes(b"nothing")
     with pytest.raises(EnvironmentFault, match=r"spans\.nc: cannot be read"):
         open_study(copy)["spans"]
+
+
+def test_a_file_that_is_no_dataset_of_ours_is_told_from_one(copy):
+    xr.Dataset({"sag": 1.0}).to_netcdf(copy / "strange.nc")
+    xr.Dataset({"run_time": 1.0}).to_netcdf(copy / "strange.nc", group="measured", mode="a")
+    with pytest.raises(EnvironmentFault, match=r"strange\.nc: not a dataset of a scene"):
+        open_study(copy)["strange"]
 
 
 def test_the_catalogue_tells_what_the_datasets_hold(stored):
@@ -76,10 +92,12 @@ def test_a_catalogue_that_is_out_of_date_is_not_believed(copy):
     known = catalogue(copy)
     stale = known.assign(number=known.number + 1)
     stale.to_parquet(copy / CATALOGUE_FILE)
+    enter_in_ledger(copy / CATALOGUE_FILE)
     assert (catalogue(copy).number == stale.number).all()
     stale.assign(digest=np.where(stale.scene == "spans", "of another file", stale.digest)).to_parquet(
         copy / CATALOGUE_FILE
     )
+    enter_in_ledger(copy / CATALOGUE_FILE)
     found = catalogue(copy)
     pd.testing.assert_frame_equal(found[found.scene == "spans"], known[known.scene == "spans"])
     discard(copy / "spans.nc")
