@@ -7,7 +7,6 @@ mark in their environment, which every job inherits.
 import atexit
 import json
 import os
-import socket
 import sys
 import time
 from collections.abc import Iterator
@@ -76,7 +75,7 @@ def _write_holder(folder: Path) -> None:
     since = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
     holder = {
         "process": os.getpid(),
-        "host": socket.gethostname(),
+        "host": os.uname().nodename,
         "since": since,
         "command": " ".join([Path(sys.argv[0]).name, *sys.argv[1:]])[:200],
     }
@@ -90,7 +89,7 @@ def _who(folder: Path) -> str:
         try:
             holder = json.loads((folder / HOLDER).read_text(encoding="utf-8"))
             process, host = int(holder["process"]), str(holder["host"])
-            if host != socket.gethostname() or is_alive(process):
+            if host != os.uname().nodename or is_alive(process):
                 return (
                     f"process {process} on {host} has been at work here since {holder['since']} ({holder['command']})"
                 )

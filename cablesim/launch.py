@@ -3,16 +3,20 @@
 A step that fails tells why in its last line, which ends with its exit code; Snakemake's records lead to it.
 """
 
+import importlib.util
 import logging
 import re
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from cablesim.errors import CablesimError, EnvironmentFault, InputError
 from cablesim.files import free_bytes
+from cablesim.slurm import cancel_jobs, is_slurm, job_prefix
 from cablesim.workflow import PlannedStudy, plan_study
 
+SLURM_PLUGIN = "snakemake_executor_plugin_slurm"
 SNAKEFILE, PROFILES = Path("Snakefile"), Path("workflow") / "profiles"
 # What a failed step says last, and what is left of it where even its log could not be written.
 LAST_LINE = re.compile(r"^cablesim: (?P<message>.*) \(exit code (?P<code>\d+)\)$", re.MULTILINE)
@@ -49,6 +53,8 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
 
     command = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder), "--configfile", str(config)]
     command += [*(("--cores", cores) if cores else ()), *(("--dry-run",) if dry_run else ())]
+    if is_slurm(folder / "config.yaml") and not dry_run:
+        command += _on_slurm(Path(planned.results))
     with _listening() as heard:
         try:
             main(command)
@@ -56,6 +62,16 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
             if end.code:
                 raise heard.gravest() from None
     return planned
+
+
+def _on_slurm(results: Path) -> list[str]:
+    """Cancel the jobs of a killed run, as far as there are any, and name the new ones so that they can be found."""
+    if not importlib.util.find_spec(SLURM_PLUGIN):
+        raise InputError(f"the Python package {SLURM_PLUGIN} is missing: 'make .venv/slurm' installs it")
+    cancelled = cancel_jobs(results)
+    if cancelled:
+        print(f"{results}: {cancelled} Slurm jobs of a run that was killed are cancelled", file=sys.stderr)
+    return ["--slurm-jobname-prefix", job_prefix(results)]
 
 
 class _Failures(logging.Filter):

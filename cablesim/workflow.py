@@ -3,7 +3,7 @@
 import hashlib
 import sys
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
@@ -107,18 +107,27 @@ class PlannedStudy:
         return str(Layout(Path(self.results)).stamp(STUDY, CATALOGUE, digest))
 
 
+# The studies whose results this process holds, by their configuration: they are planned once.
+_held: dict[Path, PlannedStudy] = {}
+
+
 def plan_study(config: Path | str, checking: bool = True, holding: bool = False) -> PlannedStudy:
-    """Read a study and sample its designs, once in a process.
+    """Read a study and sample its designs.
 
     `checking` looks whether every file is still what was written; `holding` keeps others out of the results until this
     process ends. Raises InputError for anything wrong in the files of the study, EnvironmentFault where a study is
     running already.
     """
     path = Path(config)
-    return _plan_study(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path, checking, holding)
+    if not holding:
+        return _plan_study(path, checking, holding)
+    if path.resolve() not in _held:
+        # Snakemake names files by their whole paths.
+        near = path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+        _held[path.resolve()] = _plan_study(near, checking, holding)
+    return _held[path.resolve()]
 
 
-@cache
 def _plan_study(config: Path, checking: bool, holding: bool) -> PlannedStudy:
     study = read_study(config)
     layout = Layout(Path("results") / study.name)
