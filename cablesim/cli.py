@@ -99,13 +99,28 @@ def solve(
 
 
 @cli.command()
-@click.argument("scene", type=click.Path(path_type=Path))
-def check(scene: Path) -> None:
-    """Validate a SCENE file and estimate its cost; runs nothing."""
-    from cablesim.config.scene import read_scene
-    from cablesim.report.estimate import estimate
+@click.argument("config", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<name>).")
+@click.option("--cores", type=click.IntRange(min=1), metavar="N", help="Cores to use (default: all of this machine).")
+@click.option("--hours", type=float, default=math.inf, metavar="H", help="Refuse what takes longer.")
+def check(config: Path, out: Path | None, cores: int | None, hours: float) -> None:
+    """Validate CONFIG, a scene or a study, and estimate time, memory and disk; runs nothing.
 
-    click.echo(estimate(read_scene(scene)))
+    Exit code 3: it does not fit on the disk, into memory or the hours; what would fit is told.
+    """
+    from cablesim.estimate import estimate_study, refuse_what_does_not_fit
+    from cablesim.plan import make_plan
+    from cablesim.report.estimated import estimate_lines
+    from cablesim.study import Layout, read_any
+
+    if not hours > 0.0:
+        raise InputError(f"--hours must be > 0, not {hours:g}")
+    name, scenes = read_any(config)
+    layout = Layout(out if out is not None else Path("results") / name)
+    found = estimate_study([(scene, make_plan(scene, layout.plans)) for scene in scenes], layout, cores)
+    for line in estimate_lines(found):
+        click.echo(line)
+    refuse_what_does_not_fit(found, layout, hours)
 
 
 @cli.command()

@@ -10,13 +10,13 @@ import math
 import os
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from cablesim.config.scene import Scene
 from cablesim.errors import EnvironmentFault
 from cablesim.files import check, free_bytes, ledger
-from cablesim.plan import ScenePlan, make_plan
+from cablesim.plan import ScenePlan
 from cablesim.quantities import bytes_per_scenario
 from cablesim.shards import MOST_BYTES, Recipe
 from cablesim.study import Layout
@@ -27,31 +27,84 @@ START, PER_SCENE, PER_JOB, PER_FIGURE = 2.2, 0.04, 1.2, 0.35
 WRITE, COLLECT, SUMMARISE, DRAW = 16e-9, 21e-9, 5e-9, 10e-9
 # Jobs of a scene besides solving: collecting, tables, figures; and one for the whole study, the catalogue.
 JOBS_OF_SCENE, JOBS_OF_STUDY = 3, 1
-# Bytes on disk: of a file beside its outputs, of a table of all values for each number in it, of a figure; and of the
-# outputs the part that is left when they are compressed, in a shard and again in the dataset.
-PER_FILE, PER_FIGURE_BYTES, COMPRESSED = 25_000, 250_000, 0.65
+# Bytes on disk: of a file beside its outputs, of a figure; and of the outputs the part that is left when they are
+# compressed, in a shard and again in the dataset. The dataset and tables of a scene are as many files more.
+PER_FILE, FIGURE_FILES, COMPRESSED = 25_000, 250_000, 0.65
+FILES_OF_SCENE = 10
 # Bytes of memory: a process that solves, one that draws, and of the outputs at hand there are so many copies.
 SOLVING, DRAWING, COPIES = 220_000_000, 320_000_000, 3.0
 # Of Snakemake for each job.
 GRAPH_PER_JOB = 40_000
-# Of what is free, as much may be asked for.
-SHARE = 0.95
+# Of what is free, as much may be asked for; and what is said to fit is a little less than what would just do.
+SHARE, MARGIN = 0.95, 0.98
 
 
 @dataclass(frozen=True)
 class SceneEstimate:
-    """What a scene costs: scenarios are counted once for each method, `new` are those that are still to be solved."""
+    """What a scene costs in a folder: the seconds that new shards take, the bytes of all, and whether all is done."""
 
     scene: Scene
     plan: ScenePlan
-    new: int
-    jobs: int
-    shards: int
-    solving: float
-    longest: float
-    rest: float
-    memory: int
-    disk: int
+    seconds: dict[str, float]
+    bytes: dict[str, int]
+    done: bool
+
+    @property
+    def new(self) -> int:
+        """Scenarios that are still to be solved, each counted once for every method."""
+        return sum(self.plan.recipes[digest].scenarios for digest in self.seconds)
+
+    @property
+    def bundles(self) -> list[float]:
+        """Seconds of the jobs that solve, their start included."""
+        work = ([self.seconds[s] for s in shards if s in self.seconds] for shards in self.plan.bundles.values())
+        return [PER_JOB + sum(seconds) for seconds in work if seconds]
+
+    @property
+    def jobs(self) -> int:
+        return len(self.bundles) + (0 if self.done else JOBS_OF_SCENE)
+
+    @property
+    def rest(self) -> float:
+        """Seconds of a processor besides solving: timing, collecting, tables and figures."""
+        if self.done:
+            return 0.0
+        timed = len(self.scene.methods) * self.scene.work_precision.seconds if self.scene.work_precision else 0.0
+        figures, everything = len(self.scene.figures), sum(self.bytes.values())
+        return (
+            timed + PER_JOB * JOBS_OF_SCENE + PER_FIGURE * figures + (COLLECT + SUMMARISE + DRAW * figures) * everything
+        )
+
+    @property
+    def processor_seconds(self) -> float:
+        return sum(self.bundles) + self.rest
+
+    def least_seconds(self, cores: int) -> float:
+        """On the clock, with all cores for this scene: it is solved first, and the rest is one step after the other."""
+        return max([sum(self.bundles) / cores, *self.bundles]) + self.rest if self.bundles else self.rest
+
+    @property
+    def memory(self) -> int:
+        """Bytes of the largest process."""
+        at_once = max((self.bytes[digest] for digest in self.seconds), default=0)
+        drawn = min(sum(self.bytes.values()), MOST_BYTES)
+        return int(max(SOLVING + COPIES * at_once, DRAWING + COPIES * drawn))
+
+    @property
+    def growing_disk(self) -> float:
+        """Bytes of outputs that are still to be written, to shards and to the dataset."""
+        stored = sum(self.bytes[digest] for digest in self.seconds) + sum(self.bytes.values())
+        return 0.0 if self.done else COMPRESSED * stored
+
+    @property
+    def fixed_disk(self) -> float:
+        """Bytes of files and figures, however many scenarios there are."""
+        files = len(self.seconds) + FILES_OF_SCENE
+        return 0.0 if self.done else PER_FILE * files + FIGURE_FILES * len(self.scene.figures)
+
+    @property
+    def disk(self) -> int:
+        return int(self.fixed_disk + self.growing_disk)
 
 
 @dataclass(frozen=True)
@@ -60,24 +113,29 @@ class Estimate:
 
     scenes: tuple[SceneEstimate, ...]
     cores: int
-    scenarios: int = field(init=False)
-    jobs: int = field(init=False)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "scenarios", sum(scene.plan.scenarios for scene in self.scenes))
-        object.__setattr__(self, "jobs", sum(scene.jobs for scene in self.scenes) + JOBS_OF_STUDY)
+    @property
+    def scenarios(self) -> int:
+        return sum(scene.plan.scenarios for scene in self.scenes)
+
+    @property
+    def jobs(self) -> int:
+        return sum(scene.jobs for scene in self.scenes) + JOBS_OF_STUDY
+
+    @property
+    def start(self) -> float:
+        """Before the first job."""
+        return START + PER_SCENE * len(self.scenes)
 
     @property
     def processor_seconds(self) -> float:
-        work = sum(scene.solving + scene.rest for scene in self.scenes)
-        return START + PER_SCENE * len(self.scenes) + PER_JOB * JOBS_OF_STUDY + work
+        return self.start + PER_JOB * JOBS_OF_STUDY + sum(scene.processor_seconds for scene in self.scenes)
 
     @property
     def seconds(self) -> float:
-        """The cores share the work, but no scene is sooner done than its steps are, one after the other."""
-        start = START + PER_SCENE * len(self.scenes)
-        shared = start + (self.processor_seconds - start) / self.cores
-        return max([shared, *(start + scene.longest for scene in self.scenes)])
+        """The cores share the work, but no scene is done sooner than its steps are, one after the other."""
+        shared = (self.processor_seconds - self.start) / self.cores
+        return self.start + max([shared, *(scene.least_seconds(self.cores) for scene in self.scenes)])
 
     @property
     def memory(self) -> int:
@@ -89,79 +147,57 @@ class Estimate:
         return sum(scene.disk for scene in self.scenes)
 
 
-def estimate_study(scenes: Iterable[Scene], layout: Layout, cores: int | None = None) -> Estimate:
-    """What the scenes of a study cost in a folder of results; nothing is written."""
+def estimate_study(planned: Iterable[tuple[Scene, ScenePlan]], layout: Layout, cores: int | None = None) -> Estimate:
+    """What the scenes of a study, each with its plan, cost in a folder of results; nothing is written."""
     workers = cores or os.cpu_count() or 1
-    return Estimate(tuple(_estimate(scene, layout, workers) for scene in scenes), workers)
+    return Estimate(tuple(_estimate(scene, plan, layout) for scene, plan in planned), workers)
 
 
 def refuse_what_does_not_fit(estimate: Estimate, layout: Layout, hours: float = math.inf) -> None:
     """Raises EnvironmentFault, with what would fit, where disk, memory or the hours do not suffice."""
     import psutil
 
-    room = SHARE * free_bytes(layout.root)
-    memory = SHARE * psutil.virtual_memory().available
-    asked = (
-        (estimate.disk, room, "on disk", "are free", lambda scene: scene.disk),
-        (estimate.memory, memory, "of memory", "are free", lambda scene: scene.memory),
-    )
-    for needed, there, where, free, of in asked:
-        if needed > there:
-            largest = max(estimate.scenes, key=of)
-            told = f"{size(needed)} {where} are needed, {size(there)} {free}"
-            raise EnvironmentFault(f"{largest.scene.path}: {told}; {what_fits(largest.scene, there / needed)}")
+    disk, memory = SHARE * free_bytes(layout.root), SHARE * psutil.virtual_memory().available
+    if estimate.disk > disk:
+        told = f"{size(estimate.disk)} on disk are needed, {size(disk)} are free"
+        scene = max(estimate.scenes, key=lambda one: one.disk)
+        raise _refusal(scene, told, (scene.disk - estimate.disk + disk - scene.fixed_disk) / scene.growing_disk)
+    if estimate.memory > memory:
+        told = f"{size(estimate.memory)} of memory are needed, {size(memory)} are free"
+        scene = max(estimate.scenes, key=lambda one: one.memory)
+        raise _refusal(scene, told, (memory - max(SOLVING, DRAWING)) / (COPIES * sum(scene.bytes.values())))
     if estimate.seconds > 3600.0 * hours:
-        slowest = max(estimate.scenes, key=lambda scene: scene.solving + scene.rest)
         told = f"{duration(estimate.seconds)} are needed, {hours:g} h are given"
-        share = 3600.0 * hours / estimate.seconds
-        raise EnvironmentFault(f"{slowest.scene.path}: {told}; {what_fits(slowest.scene, share)}")
+        scene = max(estimate.scenes, key=lambda one: one.processor_seconds)
+        raise _refusal(scene, told, 3600.0 * hours / estimate.seconds)
 
 
-def what_fits(scene: Scene, share: float) -> str:
-    """A design that costs a part of this one: fewer points on its longest axis."""
-    axis = max(scene.design.axes, key=lambda axis: axis.size)
-    fitting = int(share * axis.size)
-    if fitting < 1:
-        return f"not even one point of {axis.name} would fit: split the scene"
-    return f"with {fitting} instead of {axis.size} points of {axis.name} it would fit"
-
-
-def _estimate(scene: Scene, layout: Layout, cores: int) -> SceneEstimate:
-    plan = make_plan(scene, layout.plans)
-    folder = layout.shards(scene.name)
-    new = {digest: recipe for digest, recipe in plan.recipes.items() if not ledger(folder / f"{digest}.nc").exists()}
-    done = not new and check(layout.dataset(scene.name)).whole
-    rates = _measured(plan, layout)
-    outputs = {digest: _bytes(scene, recipe) for digest, recipe in plan.recipes.items()}
-    everything, written = sum(outputs.values()), sum(outputs[digest] for digest in new)
-    solving = {digest: _seconds(recipe, rates) + WRITE * outputs[digest] for digest, recipe in new.items()}
-    bundles = [sum(solving.get(shard, 0.0) for shard in shards) for shards in plan.bundles.values()]
-    starts = PER_JOB * sum(seconds > 0.0 for seconds in bundles)
-    timed = len(scene.methods) * scene.work_precision.seconds if scene.work_precision else 0.0
-    figures = len(scene.figures)
-    after = 0.0 if done else timed + PER_JOB * JOBS_OF_SCENE + COLLECT * everything
-    drawn = 0.0 if done else PER_FIGURE * figures + (SUMMARISE + DRAW * figures) * everything
-    shared = (sum(bundles) + starts) / cores
-    first = max([shared, *(PER_JOB + seconds for seconds in bundles if seconds)]) if new else 0.0
-    at_once = max([outputs[digest] for digest in new], default=0)
-    return SceneEstimate(
-        scene,
-        plan,
-        sum(math.prod(recipe.shape) for recipe in new.values()),
-        sum(seconds > 0.0 for seconds in bundles) + (0 if done else JOBS_OF_SCENE),
-        len(plan.recipes),
-        sum(bundles) + starts,
-        first + after + drawn,
-        after + drawn,
-        int(max(SOLVING + COPIES * at_once, DRAWING + COPIES * min(everything, MOST_BYTES))),
-        0 if done else int(COMPRESSED * (written + everything) + PER_FILE * (len(new) + 2) + PER_FIGURE_BYTES * figures),
+def _refusal(one: SceneEstimate, told: str, share: float) -> EnvironmentFault:
+    """What to say of a scene of which only a part would fit: how many points of its longest axis."""
+    axis = max(one.scene.design.axes, key=lambda axis: axis.size)
+    fitting = int(MARGIN * share * axis.size)
+    instead = f"with {fitting} instead of {axis.size} points of {axis.name} it would fit"
+    return EnvironmentFault(
+        f"{one.scene.path}: {told}; {instead if fitting >= 1 else 'not even a small part of this scene would fit'}"
     )
+
+
+def _estimate(scene: Scene, plan: ScenePlan, layout: Layout) -> SceneEstimate:
+    folder = layout.shards(scene.name)
+    rates = _measured(plan, layout)
+    sizes = {digest: _bytes(scene, recipe) for digest, recipe in plan.recipes.items()}
+    seconds = {
+        digest: _seconds(recipe, rates) + WRITE * sizes[digest]
+        for digest, recipe in plan.recipes.items()
+        if not ledger(folder / f"{digest}.nc").exists()
+    }
+    return SceneEstimate(scene, plan, seconds, sizes, not seconds and check(layout.dataset(scene.name)).whole)
 
 
 def _bytes(scene: Scene, recipe: Recipe) -> int:
     """The outputs of a shard, with the status."""
     sizes = next(m.sizes for m in scene.methods if m.solver.name == recipe.solver)
-    return math.prod(recipe.shape) * (1 + bytes_per_scenario(recipe.outputs, {**sizes, "section": scene.sections}))
+    return recipe.scenarios * (1 + bytes_per_scenario(recipe.outputs, {**sizes, "section": scene.sections}))
 
 
 def _key(recipe: Recipe) -> str:
@@ -172,17 +208,18 @@ def _key(recipe: Recipe) -> str:
 def _seconds(recipe: Recipe, rates: dict[str, float]) -> float:
     """What a shard will take to solve."""
     rate = rates.get(_key(recipe))
-    return recipe.seconds if rate is None else rate * math.prod(recipe.shape)
+    return recipe.seconds if rate is None else rate * recipe.scenarios
 
 
 def _measured(plan: ScenePlan, layout: Layout) -> dict[str, float]:
     """Seconds for a scenario, by what shards of the same method took in this folder."""
-    seconds, scenarios = defaultdict(float), defaultdict(int)
+    seconds: dict[str, float] = defaultdict(float)
+    scenarios: dict[str, int] = defaultdict(int)
     for digest, recipe in plan.recipes.items():
         taken = _taken(layout.shards(plan.scene) / f"{digest}.nc")
         if taken > 0.0:
             seconds[_key(recipe)] += taken
-            scenarios[_key(recipe)] += math.prod(recipe.shape)
+            scenarios[_key(recipe)] += recipe.scenarios
     return {key: seconds[key] / scenarios[key] for key in seconds}
 
 

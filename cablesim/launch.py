@@ -12,8 +12,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from cablesim.errors import CablesimError, EnvironmentFault, InputError
+from cablesim.estimate import estimate_study, refuse_what_does_not_fit
 from cablesim.files import free_bytes
 from cablesim.slurm import cancel_jobs, is_slurm, job_prefix
+from cablesim.study import Layout
 from cablesim.workflow import PlannedStudy, plan_study
 
 SLURM_PLUGIN = "snakemake_executor_plugin_slurm"
@@ -49,6 +51,8 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
     if cores is not None and cores != "all" and not (cores.isdigit() and int(cores)):
         raise InputError(f"--cores must be a number of cores or 'all', not '{cores[:20]}'")
     planned = plan_study(config, holding=not dry_run)
+    layout = Layout(Path(planned.results))
+    refuse_what_does_not_fit(estimate_study([(one.scene, one.shard_plan) for one in planned.scenes], layout), layout)
     from snakemake.cli import main
 
     command = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder), "--configfile", str(config)]

@@ -44,11 +44,15 @@ class Recipe:
     def shape(self) -> tuple[int, ...]:
         return tuple(axis.size for axis in self.axes)
 
+    @property
+    def scenarios(self) -> int:
+        return math.prod(self.shape)
+
     @cached_property
     def seconds(self) -> float:
         """What it will take, by the solver's measured cost."""
         solver = load_solver(self.solver)
-        return math.prod(self.shape) * solver.seconds_per_scenario(solver.make_options(self.options))
+        return self.scenarios * solver.seconds_per_scenario(solver.make_options(self.options))
 
     @cached_property
     def digest(self) -> str:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from cablesim.slurm import job_prefix
+from cablesim.cli import main
+from cablesim.slurm import cancel_jobs, job_prefix
 from tests.test_workflow import PROJECT, digests, make_project, replace, root_group
 
 RECIPE = Path(__file__).with_name("slurm.sh")
@@ -100,20 +101,50 @@ def same_results(one: Path, other: Path) -> bool:
     )
 
 
-def test_a_study_on_slurm_has_the_bytes_of_one_on_a_laptop(slurm, tmp_path):
+def test_a_study_that_was_killed_on_slurm_ends_with_the_bytes_of_one_on_a_laptop(slurm, tmp_path):
     there, here = project(tmp_path / "there"), project(tmp_path / "here")
+    for folder in (there, here):
+        (folder / "config" / "scenes" / "limits.yaml").write_text(SLOW)
+    command = [sys.executable, "-m", "cablesim", "study", "--profile", "slurm"]
+    with (tmp_path / "log").open("w") as log:
+        killed = subprocess.Popen(command, cwd=there, env=slurm, stdout=log, stderr=log, start_new_session=True)
+        while killed.poll() is None and not jobs(there):
+            time.sleep(0.1)
+        os.killpg(killed.pid, signal.SIGKILL)
+        killed.wait()
+    left = jobs(there)
+    assert left
     run = study(there, slurm)
     assert run.returncode == 1, run.stdout + run.stderr
     assert "has been submitted with SLURM jobid" in run.stderr
+    # On this machine they can be ended as processes, too.
+    assert " of a run that was killed are " in run.stderr
+    assert not set(left) & set(jobs(there))
     assert study(here, slurm, profile="default").returncode == 1
     assert same_results(there, here)
-    again = study(there, slurm)
-    assert again.returncode == 1
-    assert "Nothing to be done" in again.stderr
+
+
+def test_jobs_of_one_folder_are_cancelled_and_others_are_not(slurm, tmp_path):
+    mine, others = (
+        subprocess.run(
+            ["sbatch", "--parsable", "--mem=100", f"--job-name={job_prefix(folder)}_1", "--wrap=sleep 300"],
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout.strip()
+        for folder in (tmp_path / "mine", tmp_path / "others")
+    )
+    assert cancel_jobs(tmp_path / "mine") == 1
+    left = subprocess.run(["squeue", "--noheader", "--format=%i"], capture_output=True, text=True, check=True).stdout
+    assert others in left.split()
+    assert mine not in left.split()
+    assert cancel_jobs(tmp_path / "mine") == 0
+    assert cancel_jobs(tmp_path / "others") == 1
 
 
 def test_what_a_failing_job_says_is_the_end_of_the_study(slurm, tmp_path):
     made = project(tmp_path / "made")
+    replace(made / "config" / "config.yaml", "[spans, limits]", "[spans]")
     (made / "results" / "small" / "shards").mkdir(parents=True)
     (made / "results" / "small" / "shards" / "spans").touch()
     run = study(made, slurm)
@@ -121,22 +152,11 @@ def test_what_a_failing_job_says_is_the_end_of_the_study(slurm, tmp_path):
     assert "results/small/shards/spans" in run.stderr.strip().splitlines()[-1]
 
 
-def test_jobs_of_a_killed_study_are_cancelled_by_the_next(slurm, tmp_path):
-    made, undisturbed = project(tmp_path / "made"), project(tmp_path / "undisturbed")
-    for folder in (made, undisturbed):
-        (folder / "config" / "scenes" / "limits.yaml").write_text(SLOW)
-    command = [sys.executable, "-m", "cablesim", "study", "--profile", "slurm"]
-    with (tmp_path / "log").open("w") as log:
-        killed = subprocess.Popen(command, cwd=made, env=slurm, stdout=log, stderr=log, start_new_session=True)
-        while killed.poll() is None and not jobs(made):
-            time.sleep(0.1)
-        os.killpg(killed.pid, signal.SIGKILL)
-        killed.wait()
-    left = jobs(made)
-    assert left
-    run = study(made, slurm)
-    assert run.returncode == 1, run.stdout + run.stderr
-    assert "Slurm jobs of a run that was killed are cancelled" in run.stderr
-    assert not set(left) & set(jobs(made))
-    assert study(undisturbed, slurm, profile="default").returncode == 1
-    assert same_results(made, undisturbed)
+def test_without_slurm_or_its_plugin_the_study_says_so(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(project(tmp_path / "made"))
+    assert main(["study", "--profile", "slurm"]) == 2
+    assert "'make .venv/slurm' installs it" in capsys.readouterr().err
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: name)
+    monkeypatch.setenv("PATH", "")
+    assert main(["study", "--profile", "slurm"]) == 3
+    assert "squeue: Slurm does not answer" in capsys.readouterr().err
