@@ -126,7 +126,7 @@ def file_name(ask: Asked, here: Path, hostile: str) -> tuple[Told, str]:
     except (OSError, ValueError):
         pass
     told = ask(["run", "--", place], here)
-    expected = (0, 2) if is_name(hostile) else (2,)
+    expected = (0, 2) if is_name(hostile.replace("\0", "")) else (2,)
     return told, "" if told.code in expected else f"exit code {told.code} for {place[:40]!r}: {told.err[-200:]}"
 
 
