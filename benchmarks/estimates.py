@@ -40,7 +40,8 @@ SCENES = {
     ),
     "20,000 lines between two ends in a stream": STATIC.format(
         title="Stream",
-        grid="{stream_speed: {start: 0.2 m/s, stop: 3 m/s, num: 200}, line_length: {start: 101 m, stop: 150 m, num: 100}}",
+        grid="{stream_speed: {start: 0.2 m/s, stop: 3 m/s, num: 200}, "
+        "line_length: {start: 101 m, stop: 150 m, num: 100}}",
         fixed="{position_B: [60 m, 0 m, 80 m], weight_per_length: 5, diameter: 10 mm, normal_drag_coefficient: 1.2, "
         "tangential_drag_coefficient: 0.03, fluid_density: 1025}",
         solver="stream_line",
@@ -111,14 +112,11 @@ def taken(folder: Path) -> Taken:
 
 
 def _largest(process: int) -> int:
-    sizes = [0]
     try:
         whole = psutil.Process(process)
-        for one in (whole, *whole.children(recursive=True)):
-            sizes.append(one.memory_info().rss)
+        return max(one.memory_info().rss for one in (whole, *whole.children(recursive=True)))
     except psutil.Error:
-        pass
-    return max(sizes)
+        return 0
 
 
 def row(name: str, told: Estimate, found: Taken) -> tuple[str, ...]:

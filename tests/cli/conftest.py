@@ -12,6 +12,7 @@ TABLES = {
     "longer.csv": b"length_ratio,sag_printed\n1.1,0.50\n1.2,0.73\n1.3,0.92\n",
     "spans.csv": b"span [kg]\n2.5\n",
     "strange_unit.csv": b"span [smoot]\n2.5\n",
+    "broken_unit.csv": b"span [m (]\n2.5\n",
     "ragged.csv": b"length_ratio,sag_printed\n1.1,0.50\n1.2\n",
     "words.csv": b"length_ratio\n1.1\nlong\n",
     "python_number.csv": b"length_ratio\n1_1\n",

@@ -154,6 +154,7 @@ UNKNOWN_KEYS = {
     "a key that is a number": fixed("1: 2", "fixed", "1"),
     "a key that is a list": fixed("[span]: 2", "fixed", "span"),
     "a key that is a mapping": fixed("{span: 1}: 2", "fixed", "span"),
+    "a key that cannot be printed": fixed('"sp\\ud83dan": 2', "fixed", "ud83d"),
     "a key that is nothing": fixed("~: 2", "fixed", "None"),
     "a key of ten thousand letters": (scene(fixed=f"\n  ? {'a' * 10_000}\n  : 1"), ("fixed", "aaaa", "span")),
     "a merge key": fixed("<<: {span: 2.5}, weight_per_length: 3", "asked.yaml:3", "<<"),
@@ -457,6 +458,7 @@ TABLES = {
     ),
     "a column of lengths in kilograms": cases("{table: tables/spans.csv}", "design.cases", "span", "kg", **SPAN_TABLE),
     "a column in an unknown unit": cases("{table: tables/strange_unit.csv}", "span", "smoot", **SPAN_TABLE),
+    "a column in half a unit": cases("{table: tables/broken_unit.csv}", "span", "m (", **SPAN_TABLE),
     "a table read by no key": cases("{table: tables/lines.csv, keys: {}}", "design.cases.keys"),
     "a key that gives no parameter": cases(
         "{table: tables/lines.csv, keys: {length_ratio: {}}}", "design.cases.keys.length_ratio"

@@ -5,6 +5,7 @@ executed, processes that are started, files that are opened for writing, sockets
 """
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -73,6 +74,7 @@ SCRIPT = """
 import json, sys
 from cablesim import open_study
 from cablesim.errors import CablesimError
+from tests.faults.watch import watching
 
 results, queries = sys.argv[1], json.load(sys.stdin)
 study = open_study(results)
@@ -80,26 +82,18 @@ study = open_study(results)
 study.query("spans", "sag > 1 m and method == exact", ["sag"], {"span": "20 m"}, "sag desc", 3)
 study.query("*", "span == 23 m")
 
-EXECUTING = ("exec", "compile", "os.system", "subprocess.Popen", "os.exec", "os.posix_spawn", "os.fork", "pty.spawn")
-CHANGING = ("os.remove", "os.rename", "os.mkdir", "os.rmdir", "os.chmod", "os.link", "os.symlink", "os.truncate",
-            "shutil.", "tempfile.", "socket.", "ctypes.dlopen")
-seen, watching = [], False
-
-def hook(event, arguments):
-    if not watching:
-        return
-    writing = event == "open" and (not isinstance(arguments[1], str) or set(arguments[1]) & set("wax+"))
-    if writing and arguments[2] is not None and arguments[1] is None:
-        writing = bool(arguments[2] & 3)
-    if writing or event.startswith(EXECUTING) or event.startswith(CHANGING):
-        seen.append([event, repr(arguments)[:200]])
-
-sys.addaudithook(hook)
 outcomes = {"answered": 0, "refused": 0, "other": []}
 
+seen = []
+
 def ask(*arguments):
-    global watching
-    watching = True
+    try:
+        with watching(executing=True) as found:
+            answer(*arguments)
+    finally:
+        seen.extend(found)
+
+def answer(*arguments):
     try:
         study.query(*arguments)
         outcomes["answered"] += 1
@@ -107,8 +101,6 @@ def ask(*arguments):
         outcomes["refused"] += 1
     except Exception as problem:
         outcomes["other"].append(repr(problem)[:200])
-    finally:
-        watching = False
 
 import warnings
 warnings.simplefilter("ignore")
@@ -120,12 +112,11 @@ for text in queries:
     ask("spans", None, [], {"span": text})
     ask("spans", None, [], None, text)
 # The watch is worth something only if it sees.
-watching = True
-exec("x = 1")
-open("written", "w").close()
-watching = False
-assert [event for event, _ in seen[-3:]] == ["compile", "exec", "open"], seen[-3:]
-print(json.dumps({"seen": seen[:-3], **outcomes}))
+with watching(executing=True) as found:
+    exec("x = 1")
+    open("written", "w").close()
+assert [event.split(" ", 1)[0] for event in found] == ["compile", "exec", "open"], found
+print(json.dumps({"seen": seen, **outcomes}))
 """
 
 
@@ -138,6 +129,7 @@ def test_no_string_is_executed_and_nothing_is_written(copy: Path, tmp_path: Path
         [sys.executable, "-c", SCRIPT, str(copy)],
         input=json.dumps(QUERIES),
         cwd=work,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
         capture_output=True,
         text=True,
         check=False,

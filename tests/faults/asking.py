@@ -1,18 +1,18 @@
 """Ask commands of processes that answer them, with a limit of time, and judge what they say."""
 
+import atexit
 import json
 import os
 import select
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 PROJECT = Path(__file__).parents[2]
-SECONDS = 60.0
+SECONDS = 120.0
 LONGEST_LINE = 1000
 NO_ANSWER = 1000
 
@@ -109,11 +109,9 @@ class Asked:
         return json.loads(line) if line else None
 
 
-@contextmanager
-def asking() -> Iterator[Asked]:
-    """A process that answers, ended in the end."""
+@cache
+def asking() -> Asked:
+    """The process that answers, the same for all faults; it ends with this one."""
     asked = Asked()
-    try:
-        yield asked
-    finally:
-        asked.stop()
+    atexit.register(asked.stop)
+    return asked

@@ -132,6 +132,6 @@ def mixtures(folder: Path, times: int, seed: int) -> Outcome:
 
 COPIES: tuple[Fault, ...] = (
     Fault("clocks are wrong, or the study was copied or moved", "none is needed", times_and_places, 6, 100),
-    Fault("a copy was interrupted", "the next run", parts, 6, 100),
-    Fault("an older study was copied over", "the next run", mixtures, 6, 100),
+    Fault("a copy was interrupted", "the next run", parts, 6, 50),
+    Fault("an older study was copied over", "the next run", mixtures, 6, 50),
 )

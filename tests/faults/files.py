@@ -21,6 +21,14 @@ from tests.faults.fault import Fault, Outcome
 from tests.faults.studies import Study, finished, make_study, run_by_snakemake
 from tests.faults.unreadable import UNREADABLE
 
+# Names that a shell would obey.
+FOLDERS = (
+    "$(touch pwned)",
+    "a; touch pwned",
+    "'quoted\" `touch pwned`",
+    "two  spaces & more",
+    "{braces} {0.__class__}",
+)
 # A folder that is in the way of a file must be removed by whoever made it.
 REPLACEABLE = tuple(way for way in ways.WAYS if way is not ways.folder)
 
@@ -150,7 +158,7 @@ def by_snakemake(folder: Path, times: int, seed: int) -> Outcome:
     same = whole.same()
     rounds = 0
     while (injected := rounds * 5) < times:
-        study = whole.copy(folder / "damaged")
+        study = whole.copy(folder / draw.choice(FOLDERS))
         paths = [*(study.results / path for path in products(study)), *study.shards()]
         done = {path: draw.choice(REPLACEABLE) for path in draw.sample(paths, 5)}
         for path, way in done.items():
@@ -168,6 +176,7 @@ def by_snakemake(folder: Path, times: int, seed: int) -> Outcome:
             failures.append(f"round {rounds}, {told}: {problem}")
         rounds += 1
         shutil.rmtree(study.folder)
+    failures += [f"{path} was made" for path in folder.rglob("pwned")]
     return Outcome(injected, tuple(failures), lost, f"{rounds} runs of Snakemake, each after 5 files were damaged")
 
 
@@ -239,9 +248,9 @@ def plans(folder: Path, times: int, seed: int) -> Outcome:
 
 
 FAULTS: tuple[Fault, ...] = (
-    Fault("a shard or its ledger is damaged, cut, swapped or foreign", "the next run", shards, 63, 3150),
+    Fault("a shard or its ledger is damaged, cut, swapped or foreign", "the next run", shards, 63, 2520),
     Fault("another file of a study is damaged, cut, swapped or foreign", "the next run", other_files, 40, 1000),
-    Fault("any five files of a study, mended by Snakemake", "the next run", by_snakemake, 5, 60),
+    Fault("any five files of a study, mended by Snakemake", "the next run", by_snakemake, 5, 40),
     Fault("a plan is damaged, a pickle or a bomb", "the next run", plans, 30, 1000),
     *COPIES,
     *UNREADABLE,

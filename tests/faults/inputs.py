@@ -32,12 +32,12 @@ def asked(question: Question, prepare: Callable[[Path], None] = lambda _: None) 
         here = folder / "here"
         here.mkdir()
         prepare(here)
-        with asking() as ask:
-            for number in range(times):
-                told, problem = question(ask, here, draw)
-                codes[told.code] += 1
-                slowest = max(slowest, told.seconds)
-                failures += [f"{number}: {told.wrong or problem}"] if told.wrong or problem else []
+        ask = asking()
+        for turn in range(times):
+            told, problem = question(ask, here, draw)
+            codes[told.code] += 1
+            slowest = max(slowest, told.seconds)
+            failures += [f"{turn}: {told.wrong or problem}"] if told.wrong or problem else []
         strange = [str(path) for path in folder.rglob("pwned*")]
         failures += [f"files were made: {strange}"] if strange else []
         told_codes = ", ".join(f"{count} with exit code {code}" for code, count in sorted(codes.items()))
@@ -126,7 +126,7 @@ def file_name(ask: Asked, here: Path, hostile: str) -> tuple[Told, str]:
     except (OSError, ValueError):
         pass
     told = ask(["run", "--", place], here)
-    expected = (0, 2) if is_name(hostile) else (2,)
+    expected = (0, 2) if is_name(hostile.replace("\0", "")) else (2,)
     return told, "" if told.code in expected else f"exit code {told.code} for {place[:40]!r}: {told.err[-200:]}"
 
 
@@ -267,9 +267,9 @@ def results(here: Path) -> None:
 FAULTS: tuple[Fault, ...] = (
     Fault("a scene is hostile YAML, or no YAML", "refused", asked(document), 80, 6000),
     Fault("a table beside a scene is hostile", "refused", asked(table), 60, 3000),
-    Fault("a name is hostile", "refused", asked(name), 12, 600),
-    Fault("a title or label is hostile", "drawn as it stands, or refused", asked(words), 2, 100),
+    Fault("a name is hostile", "refused", asked(name), 12, 300),
+    Fault("a title or label is hostile", "drawn as it stands, or refused", asked(words), 2, 40),
     Fault("a query is hostile", "refused", asked(query, results), 60, 3000),
     Fault("a tolerance, sample or limit is poisoned", "refused", asked(tolerance, results), 15, 400),
-    Fault("a parameter or option of a solver is poisoned", "refused, or a status", asked(solved), 40, 2000),
+    Fault("a parameter or option of a solver is poisoned", "refused, or a status", asked(solved), 30, 800),
 )

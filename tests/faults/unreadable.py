@@ -134,20 +134,20 @@ def damaged(with_ledger: bool) -> Callable[[Path, int, int], Outcome]:
         # Without a ledger, another scene's dataset may have got this name on purpose.
         usual = (*WAYS, ways.others_bytes) if with_ledger else WAYS
         others = [here / "results" / "inclined.nc"]
-        with asking() as ask:
-            good = [expected(ask, command, here) for command in COMMANDS]
-            if not with_ledger:
-                ledger(path).unlink()
-            for number in range(times):
-                path.write_bytes(content)
-                way = RARE[number // 25 % 2] if number % 25 == 0 else draw.choice(usual)
-                way(path, draw, others)
-                which = number % len(COMMANDS)
-                told = ask(COMMANDS[which], here)
-                problem = judged(told, good[which], path)
-                kinds["refused" if told.code == 3 else "answered"] += 1
-                slowest = max(slowest, told.seconds)
-                failures += [f"{number}, {way.__name__}, {' '.join(COMMANDS[which])}: {problem}"] if problem else []
+        ask = asking()
+        good = [expected(ask, command, here) for command in COMMANDS]
+        if not with_ledger:
+            ledger(path).unlink()
+        for number in range(times):
+            path.write_bytes(content)
+            way = RARE[number // 25 % 2] if number % 25 == 0 else draw.choice(usual)
+            way(path, draw, others)
+            which = number % len(COMMANDS)
+            told = ask(COMMANDS[which], here)
+            problem = judged(told, good[which], path)
+            kinds["refused" if told.code == 3 else "answered"] += 1
+            slowest = max(slowest, told.seconds)
+            failures += [f"{number}, {way.__name__}, {' '.join(COMMANDS[which])}: {problem}"] if problem else []
         figures = f"{kinds['refused']} refused, {kinds['answered']} answered rightly, the slowest in {slowest:.1f} s"
         return Outcome(times, tuple(failures), None, figures)
 
@@ -163,6 +163,6 @@ def expected(ask: Asked, command: list[str], here: Path) -> Told:
 
 
 UNREADABLE: tuple[Fault, ...] = (
-    Fault("a dataset that cannot be read, with its ledger", "refused", damaged(True), 10, 600),
-    Fault("a dataset that cannot be read, without a ledger", "refused", damaged(False), 10, 1200),
+    Fault("a dataset that cannot be read, with its ledger", "refused", damaged(True), 10, 200),
+    Fault("a dataset that cannot be read, without a ledger", "refused", damaged(False), 10, 600),
 )
