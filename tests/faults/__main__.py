@@ -23,29 +23,30 @@ is finished with the right numbers; lost shards are those that had to be compute
 def row(fault: Fault, outcome: Outcome) -> str:
     """A line of the table."""
     lost = "" if outcome.lost is None else outcome.lost
-    return (
-        f"| {fault.name} | {outcome.injected} | {outcome.survived} | {lost} | {fault.recovery} | {outcome.figures} |\n"
-    )
+    return f"| {fault.name} | {outcome.injected} | {outcome.survived} | {lost} | {fault.recovery} | {outcome.figures} |"
+
+
+def write_rows(found: dict[str, str]) -> None:
+    """Replace the lines of these faults in the page; the others stay."""
+    lines = PAGE.read_text(encoding="utf-8").splitlines() if PAGE.exists() else []
+    known = {fault.name: line for fault in FAULTS for line in lines if line.startswith(f"| {fault.name} |")} | found
+    rows = [known[fault.name] for fault in FAULTS if fault.name in known]
+    PAGE.write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--only", default="", help="Faults with this in their names; nothing is written then.")
+    parser.add_argument("--only", default="", help="Faults with this in their names; their lines alone are replaced.")
     parser.add_argument("--seed", type=int, default=1)
     asked = parser.parse_args()
-    rows, failed = [], False
-    for fault in FAULTS:
-        if asked.only not in fault.name:
-            continue
+    failed = False
+    for fault in (fault for fault in FAULTS if asked.only in fault.name):
         start = perf_counter()
         with tempfile.TemporaryDirectory() as folder:
             outcome = fault.inject(Path(folder), fault.full, asked.seed)
-        rows.append(row(fault, outcome))
-        print(rows[-1], end="", flush=True)
-        print(f"  {perf_counter() - start:.0f} s", *outcome.failures[:20], sep="\n  ", flush=True)
+        print(row(fault, outcome), f"  {perf_counter() - start:.0f} s", *outcome.failures[:20], sep="\n", flush=True)
+        write_rows({fault.name: row(fault, outcome)})
         failed |= bool(outcome.failures)
-    if not asked.only:
-        PAGE.write_text(HEAD + "".join(rows), encoding="utf-8")
     return int(failed)
 
 
