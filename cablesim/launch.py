@@ -27,7 +27,8 @@ DIED = re.compile(r"died with <Signals\.(\w+): \d+>")
 MACHINE = re.compile(
     r"(?:No space left on device|Permission denied|Read-only file system|Disk quota exceeded)(?:: '([^'\n]*)')?"
 )
-KILLED = 128
+STOPPED = re.compile(r"on user request|Will exit after finishing currently running jobs")
+KILLED, INTERRUPTED = 128, 130
 
 
 class StepFailed(CablesimError):
@@ -85,7 +86,8 @@ class _Failures(logging.Filter):
         super().__init__()
         self.told: dict[str, int] = {}
         self.codes: list[int] = []
-        self.machine: str = ""
+        self.machine = ""
+        self.stopped = False
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Look at a record; it is shown unless it is a traceback of Snakemake's about the machine."""
@@ -93,6 +95,7 @@ class _Failures(logging.Filter):
         for log in getattr(record, "log", None) or ():
             self._read(Path(log))
         self.codes += [int(code) for code in STATUS.findall(message)] + [KILLED for _ in DIED.findall(message)]
+        self.stopped |= STOPPED.search(message) is not None
         found = MACHINE.search(message) if record.levelno >= logging.ERROR else None
         if found is None:
             return True
@@ -102,6 +105,8 @@ class _Failures(logging.Filter):
 
     def gravest(self) -> CablesimError:
         """The error to end with: a bug of ours before the machine, the machine before the user."""
+        if self.stopped:
+            return StepFailed("interrupted; the same command goes on with it", INTERRUPTED)
         if self.told:
             message, code = max(self.told.items(), key=lambda item: item[1])
             others = f" (and {len(self.told) - 1} more)" if len(self.told) > 1 else ""

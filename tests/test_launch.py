@@ -1,6 +1,7 @@
 """`cablesim study`: what it refuses, and what it says of steps that failed."""
 
 import logging
+import signal
 import subprocess
 import sys
 
@@ -53,6 +54,18 @@ def test_a_step_that_was_killed_is_the_machines_fault(heard, how):
     heard.filter(record(f"CalledProcessError in file x: Command 'y' {how}"))
     assert isinstance(heard.gravest(), EnvironmentFault)
     assert "was killed" in str(heard.gravest())
+
+
+def test_a_study_that_is_interrupted_says_so(project):
+    command = [sys.executable, "-m", "cablesim", "study"]
+    run = subprocess.Popen(
+        command, cwd=project, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    while "Execute" not in run.stderr.readline():
+        pass
+    run.send_signal(signal.SIGTERM)
+    last = run.communicate(timeout=120)[1].strip().splitlines()[-1]
+    assert (run.returncode, last) == (130, "cablesim: interrupted; the same command goes on with it")
 
 
 def test_tracebacks_of_snakemake_about_the_machine_become_a_line(heard):
