@@ -315,31 +315,30 @@ def used(folder: Path) -> int:
 
 
 def disk_full(folder: Path, times: int, seed: int) -> Outcome:
-    """A disk with room for a part of the study only: exit code 3, path and bytes are named; with room it goes on."""
-    draw, failures, lost, full = random.Random(seed), [], 0, 0
+    """A disk that fills up during a study: exit code 3, path and bytes are named; with room it goes on."""
+    draw, failures, lost, full, number = random.Random(seed), [], 0, 0, 0
     if not can_mount(folder / "trial"):
         return NO_DISK
     reference = undisturbed()
-    needed = sum(path.stat().st_size for path in reference.folder.rglob("*") if path.is_file())
-    number = 0
     while full < times:
         number += 1
-        with small_disk(folder / str(number), 16 * needed) as disk:
-            make_study(disk)
-            remount(disk, f"size={used(disk) + int(draw.uniform(0.02, 0.7) * needed)}")
-            run = finish(disk)
-            line = last_line(run)
+        with small_disk(folder / str(number), 2**28) as disk:
+            run = start(make_study(disk), stderr=subprocess.PIPE, text=True)
+            time.sleep(draw.uniform(0.1, 0.8) * reference.seconds)
+            remount(disk, f"size={used(disk) + draw.randrange(60_000)}")
+            told = run.communicate(timeout=LIMIT)[1]
             if run.returncode == 0:
                 continue  # There was room enough.
             full += 1
-            if run.returncode != 3 or not ("results" in line and "bytes" in line) or "Traceback" in run.stderr:
+            line = told.strip().splitlines()[-1]
+            if run.returncode != 3 or not (str(NAME) in line and "bytes" in line) or "Traceback" in told:
                 failures.append(f"{number}: exit code {run.returncode}: {line}")
             before = ledgers(disk)
-            remount(disk, f"size={16 * needed}")
+            remount(disk, f"size={2**28}")
             trouble, again = _recovered(disk, reference, before)
             failures += [f"{number}: {trouble}"] if trouble else []
             lost += again
-    return Outcome(times, tuple(failures), lost, f"a study of {needed} bytes, room for less than it needs")
+    return Outcome(times, tuple(failures), lost, "full at any moment of the study")
 
 
 def kth_write_fails(folder: Path, times: int, seed: int) -> Outcome:
