@@ -25,7 +25,7 @@ from cablesim.errors import EnvironmentFault
 from cablesim.solver import PACKAGE
 from cablesim.steps import collect, run_scene
 from cablesim.study import Layout
-from tests.test_workflow import root_group
+from tests.test_workflow import make_project, replace, root_group
 
 SCENE = """
 title: Many small shards
@@ -344,3 +344,16 @@ def test_the_end_of_a_cluster_is_one_line_and_nothing_is_written(many, by_hand, 
     code, line = refused(capfd, *arguments)
     assert code == 3 and "Dask cluster" in line and by_hand.address in line
     assert not list((many / "results").glob("*many.nc*"))
+
+
+def test_a_study_passes_the_address_on_to_its_steps(tmp_path, address):
+    """The scheduler that is named must be asked: another address fails in the step that collects."""
+    folder = make_project(tmp_path)
+    replace(folder / "config" / "config.yaml", "[spans, limits]", "[spans]")
+    command = [sys.executable, "-m", "cablesim", "study", "--dask-address"]
+    failed = subprocess.run([*command, "nonsense"], cwd=folder, capture_output=True, text=True, check=False)
+    assert failed.returncode == 2
+    assert "'nonsense' is no address of a Dask scheduler" in failed.stderr.strip().splitlines()[-1]
+    mended = subprocess.run([*command, address], cwd=folder, capture_output=True, text=True, check=False)
+    assert mended.returncode == 1, mended.stderr
+    assert (folder / "results" / "small" / "spans.nc").exists()
