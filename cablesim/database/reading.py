@@ -126,7 +126,10 @@ def read_dataset(path: Path) -> xr.Dataset:
     if whole.nbytes > MOST_BYTES:
         return whole
     with readable(path), whole:
-        return whole.load()
+        loaded = whole.load()
+    if not loaded.status.isin(range(len(status_words(loaded)))).all():
+        raise EnvironmentFault(f"{path}: damaged (some status is none of {', '.join(status_words(loaded))})")
+    return loaded
 
 
 def of_scenarios(values: xr.DataArray, dataset: xr.Dataset) -> bool:
