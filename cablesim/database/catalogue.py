@@ -15,7 +15,7 @@ import xarray as xr
 
 from cablesim.database import CATALOGUE_FILE
 from cablesim.database.collect import MEASURED_NAMES
-from cablesim.database.reading import flag_words, of_scenarios, open_dataset, scene_paths, with_components
+from cablesim.database.reading import flag_words, of_scenarios, open_dataset, readable, scene_paths, with_components
 from cablesim.files import check, enter_in_ledger, recorded_digest, written_whole
 from cablesim.status import SENTENCES, Status
 
@@ -37,7 +37,7 @@ def catalogue(results: Path) -> pd.DataFrame:
         if digest and (scene, digest) in known:
             tables.append(known[scene, digest])
         else:
-            with open_dataset(path, cache=False) as dataset:
+            with readable(path), open_dataset(path, cache=False) as dataset:
                 tables.append(describe(scene, dataset, digest))
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
 

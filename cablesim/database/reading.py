@@ -1,19 +1,18 @@
 """Open what a study has made, and give its names a meaning in formulas and conditions."""
 
-import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-import netCDF4
 import numpy as np
 import xarray as xr
 
 from cablesim.config.document import is_name
 from cablesim.config.scene import Reference
 from cablesim.config.table import Table
+from cablesim.database.probe import probe
 from cablesim.database.shard_file import small_chunk_cache
 from cablesim.database.timing import MEASURED
 from cablesim.design import SCENARIO
@@ -22,8 +21,6 @@ from cablesim.expressions import BARE, WORDS, Expression, Lookup, Term, UnknownN
 from cablesim.files import is_vouched_for
 from cablesim.quantities import component_names, is_list, is_vector, list_name, quantity
 
-# No file is compressed by more than that.
-MOST_COMPRESSED = 10_000
 # Of a dataset that is read into memory as a whole.
 MOST_BYTES = 2**27
 
@@ -88,7 +85,7 @@ def open_dataset(path: Path, **options: Any) -> xr.Dataset:
     """
     with readable(path), small_chunk_cache():
         if not is_vouched_for(path):
-            _refuse_vast(path)
+            probe(path)
         dataset, measured = (
             xr.open_dataset(path, engine="netcdf4", group=group, **options) for group in (None, MEASURED)
         )
@@ -103,15 +100,6 @@ def open_dataset(path: Path, **options: Any) -> xr.Dataset:
 
     whole.set_close(close)
     return whole
-
-
-def _refuse_vast(path: Path) -> None:
-    """Raise EnvironmentFault for a file that says it holds more than can be in it: reading would take all memory."""
-    with netCDF4.Dataset(path) as file:
-        variables = [variable for group in (file, *file.groups.values()) for variable in group.variables.values()]
-        size = sum(math.prod(one.shape) * getattr(one.dtype, "itemsize", 1) for one in variables)
-    if size > MOST_COMPRESSED * path.stat().st_size:
-        raise EnvironmentFault(f"{path}: cannot be read (it says that it holds {size} bytes, which is not possible)")
 
 
 @contextmanager
@@ -131,7 +119,10 @@ def read_dataset(path: Path) -> xr.Dataset:
     if whole.nbytes > MOST_BYTES:
         return whole
     with readable(path), whole:
-        return whole.load()
+        loaded = whole.load()
+    if not loaded.status.isin(range(len(status_words(loaded)))).all():
+        raise EnvironmentFault(f"{path}: damaged (some status is none of {', '.join(status_words(loaded))})")
+    return loaded
 
 
 def of_scenarios(values: xr.DataArray, dataset: xr.Dataset) -> bool:

@@ -24,7 +24,7 @@ class _Watch:
     def look(self, event: str, arguments: tuple[Any, ...]) -> None:
         changing = event.startswith(CHANGING) or (event == "open" and _is_writing(arguments))
         strange = changing and not self._is_allowed(arguments[0])
-        running = event.startswith(RUNNING) and not _is_revision(event, arguments)
+        running = event.startswith(RUNNING) and not _is_ours(event, arguments)
         if strange or running or (self.executing and event.startswith(EXECUTING)):
             self.seen.append(f"{event} {arguments!r:.200}")
 
@@ -41,7 +41,7 @@ _hooked: list[bool] = []
 
 @contextmanager
 def watching(*within: Path, executing: bool = False) -> Iterator[list[str]]:
-    """What is done meanwhile: processes (but for a look at the revision), sockets, changes outside of some folders.
+    """What is done meanwhile: processes (but for our own), sockets, changes outside of some folders.
 
     `executing`: code that is compiled or executed, too. An import does that, so it must have been done before.
     """
@@ -67,5 +67,7 @@ def _is_writing(arguments: tuple[Any, ...]) -> bool:
     return bool(set(mode) & set("wax+")) if isinstance(mode, str) else bool((flags or 0) & 3)
 
 
-def _is_revision(event: str, arguments: tuple[Any, ...]) -> bool:
-    return event == "subprocess.Popen" and list(arguments[1])[:2] == ["git", "-C"]
+def _is_ours(event: str, arguments: tuple[Any, ...]) -> bool:
+    """A look at the revision, or into a file that may crash its reader."""
+    started = [str(part) for part in arguments[1]][:3] if event == "subprocess.Popen" else []
+    return started[:2] == ["git", "-C"] or started[1:] == ["-m", "cablesim.database.probe"]
