@@ -10,9 +10,13 @@ from cablesim import solver, sources
 EXAMPLES = Path(__file__).parent / "example_solvers"
 
 
+# Files that take longest, in this order.
+LONGEST = ("test_default_study.py", "test_slurm.py", "test_faults.py", "test_workflow.py", "test_cluster.py")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The default study first: where several processes share the tests by file, it takes longest."""
-    items.sort(key=lambda item: item.path.name != "test_default_study.py")
+    """The longest files first, where several processes share the tests by file."""
+    items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
 
 
 @pytest.fixture
