@@ -28,7 +28,8 @@ MACHINE = re.compile(
     r"(?:No space left on device|Permission denied|Read-only file system|Disk quota exceeded)(?:: '([^'\n]*)')?"
 )
 STOPPED = re.compile(r"on user request|Will exit after finishing currently running jobs")
-KILLED, INTERRUPTED = 128, 130
+# No step of ours ends with 1: its log could not be written.
+UNSAID, KILLED, INTERRUPTED = 1, 128, 130
 
 
 class StepFailed(CablesimError):
@@ -86,6 +87,7 @@ class _Failures(logging.Filter):
         super().__init__()
         self.told: dict[str, int] = {}
         self.codes: list[int] = []
+        self.logs = [Path()]
         self.machine = ""
         self.stopped = False
 
@@ -93,6 +95,7 @@ class _Failures(logging.Filter):
         """Look at a record; it is shown unless it is a traceback of Snakemake's about the machine."""
         message = record.getMessage()
         for log in getattr(record, "log", None) or ():
+            self.logs.append(Path(log))
             self._read(Path(log))
         self.codes += [int(code) for code in STATUS.findall(message)] + [KILLED for _ in DIED.findall(message)]
         self.stopped |= STOPPED.search(message) is not None
@@ -115,6 +118,9 @@ class _Failures(logging.Filter):
             return EnvironmentFault(self.machine)
         if any(code >= KILLED for code in self.codes):
             return EnvironmentFault("a step was killed: memory may have run out, or somebody ended it; run it again")
+        if UNSAID in self.codes:
+            free = free_bytes(self.logs[-1])
+            return EnvironmentFault(f"{self.logs[-1]}: the log of a step that failed, on a disk with {free} bytes free")
         return StepFailed("Snakemake has not finished the study: see above", max(self.codes, default=4))
 
     def _read(self, log: Path) -> None:

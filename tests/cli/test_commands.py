@@ -299,8 +299,8 @@ def root_group(path: Path) -> dict[str, Any]:
 
 
 def lasting(files: dict[str, bytes | str]) -> dict[str, bytes | str]:
-    """Without the files that hold measured times."""
-    measured = (".nc", ".json", ".parquet", "_status.csv", "_status.md")
+    """Without the lock, and the files that hold measured times."""
+    measured = (".lock", ".nc", ".json", ".parquet", "_status.csv", "_status.md")
     return {name: content for name, content in files.items() if not name.endswith(measured)}
 
 

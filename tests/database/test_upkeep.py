@@ -2,6 +2,8 @@
 
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import netCDF4
@@ -13,6 +15,7 @@ from cablesim.cli import main
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.files import discard, enter_in_ledger
+from cablesim.held import held
 from cablesim.plan import read_plan
 from cablesim.status import Status
 from cablesim.steps import run_scene, sample, solve
@@ -192,15 +195,15 @@ def test_a_whole_study_is_cleaned_by_its_configuration(copy, monkeypatch, capsys
     assert "left alone: inclined" in told.err
 
 
-def test_nothing_is_removed_while_a_study_runs(copy, monkeypatch, capsys):
+def test_nothing_is_removed_while_a_study_runs(copy):
     scene = grown_and_shrunk(copy)
     before = tree(copy)
-    (copy.parent / ".snakemake" / "locks").mkdir(parents=True)
-    (copy.parent / ".snakemake" / "locks" / "0.input.lock").write_text("")
-    monkeypatch.chdir(copy.parent)
-    assert main(["clean", str(scene), "--out", str(copy), "--remove"]) == 3
-    assert "seems to be running" in capsys.readouterr().err
-    assert tree(copy) == before
+    clean = [sys.executable, "-m", "cablesim", "clean", str(scene), "--out", str(copy), "--remove"]
+    with held(copy):
+        found = subprocess.run(clean, capture_output=True, text=True, check=False)
+    assert found.returncode == 3
+    assert f"process {os.getpid()} on " in found.stderr
+    assert {name: content for name, content in tree(copy).items() if name != ".lock"} == before
 
 
 def test_parts_of_killed_processes_go_and_those_of_living_ones_stay(copy):

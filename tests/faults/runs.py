@@ -483,8 +483,8 @@ NEXT_RUN = "cablesim study"
 FAULTS = (
     Fault("process killed while it writes a shard", "the next run", kill_writers, 50, 1000),
     Fault("job killed", NEXT_RUN, kill_jobs, 1, 6),
-    Fault("scheduler killed, its jobs go on", NEXT_RUN, kill_scheduler, 1, 50),
-    Fault("all processes killed", NEXT_RUN, kill_tree, 1, 50),
+    Fault("scheduler killed, its jobs go on", NEXT_RUN, kill_scheduler, 1, 25),
+    Fault("all processes killed", NEXT_RUN, kill_tree, 1, 25),
     Fault("three starts at once", "none: one of them works", concurrent_starts, 1, 6),
     Fault("disk full at the k-th block", "the next run", kth_write_fails, 5, 100),
     Fault("disk full during a study", NEXT_RUN, disk_full, 1, 8),
