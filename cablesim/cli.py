@@ -108,7 +108,7 @@ def check(config: Path, out: Path | None, cores: int | None, hours: float) -> No
 
     Exit code 3: it does not fit on the disk, into memory or the hours; what would fit is told.
     """
-    from cablesim.estimate import estimate_study, refuse_what_does_not_fit
+    from cablesim.estimate import estimate_study, refuse_vast, refuse_what_does_not_fit
     from cablesim.plan import make_plan
     from cablesim.report.estimated import estimate_lines
     from cablesim.study import Layout, read_any
@@ -117,6 +117,8 @@ def check(config: Path, out: Path | None, cores: int | None, hours: float) -> No
         raise InputError(f"--hours must be > 0, not {hours:g}")
     name, scenes = read_any(config)
     layout = Layout(out if out is not None else Path("results") / name)
+    for scene in scenes:
+        refuse_vast(scene, layout)
     found = estimate_study([(scene, make_plan(scene, layout.plans)) for scene in scenes], layout, cores)
     for line in estimate_lines(found):
         click.echo(line)

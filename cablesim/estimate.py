@@ -153,6 +153,19 @@ def estimate_study(planned: Iterable[tuple[Scene, ScenePlan]], layout: Layout, c
     return Estimate(tuple(_estimate(scene, plan, layout) for scene, plan in planned), workers)
 
 
+def refuse_vast(scene: Scene, layout: Layout) -> None:
+    """Raises EnvironmentFault for outputs that cannot fit on the disk, before a plan is made of them.
+
+    A plan of so many shards may take hours by itself; what is there already may be a part of what is needed.
+    """
+    there = sum(path.stat().st_size for path in layout.shards(scene.name).glob("*.nc"))
+    room = there + SHARE * free_bytes(layout.root)
+    sizes = [{**method.sizes, "section": scene.sections} for method in scene.methods]
+    needed = 2 * COMPRESSED * scene.size * sum(1 + bytes_per_scenario(scene.outputs, own) for own in sizes)
+    if needed > room + there:
+        raise _refusal(scene, f"{size(needed)} on disk are needed, {size(room)} are free", room / needed)
+
+
 def refuse_what_does_not_fit(estimate: Estimate, layout: Layout, hours: float = math.inf) -> None:
     """Raises EnvironmentFault, with what would fit, where disk, memory or the hours do not suffice."""
     import psutil
@@ -161,24 +174,24 @@ def refuse_what_does_not_fit(estimate: Estimate, layout: Layout, hours: float = 
     if estimate.disk > disk:
         told = f"{size(estimate.disk)} on disk are needed, {size(disk)} are free"
         scene = max(estimate.scenes, key=lambda one: one.disk)
-        raise _refusal(scene, told, (scene.disk - estimate.disk + disk - scene.fixed_disk) / scene.growing_disk)
+        raise _refusal(scene.scene, told, (scene.disk - estimate.disk + disk - scene.fixed_disk) / scene.growing_disk)
     if estimate.memory > memory:
         told = f"{size(estimate.memory)} of memory are needed, {size(memory)} are free"
         scene = max(estimate.scenes, key=lambda one: one.memory)
-        raise _refusal(scene, told, (memory - max(SOLVING, DRAWING)) / (COPIES * sum(scene.bytes.values())))
+        raise _refusal(scene.scene, told, (memory - max(SOLVING, DRAWING)) / (COPIES * sum(scene.bytes.values())))
     if estimate.seconds > 3600.0 * hours:
         told = f"{duration(estimate.seconds)} are needed, {hours:g} h are given"
         scene = max(estimate.scenes, key=lambda one: one.processor_seconds)
-        raise _refusal(scene, told, 3600.0 * hours / estimate.seconds)
+        raise _refusal(scene.scene, told, 3600.0 * hours / estimate.seconds)
 
 
-def _refusal(one: SceneEstimate, told: str, share: float) -> EnvironmentFault:
+def _refusal(scene: Scene, told: str, share: float) -> EnvironmentFault:
     """What to say of a scene of which only a part would fit: how many points of its longest axis."""
-    axis = max(one.scene.design.axes, key=lambda axis: axis.size)
+    axis = max(scene.design.axes, key=lambda axis: axis.size)
     fitting = int(MARGIN * share * axis.size)
     instead = f"with {fitting} instead of {axis.size} points of {axis.name} it would fit"
     return EnvironmentFault(
-        f"{one.scene.path}: {told}; {instead if fitting >= 1 else 'not even a small part of this scene would fit'}"
+        f"{scene.path}: {told}; {instead if fitting >= 1 else 'not even a small part of this scene would fit'}"
     )
 
 

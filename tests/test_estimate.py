@@ -124,3 +124,10 @@ def test_hours_are_a_limit(tmp_path, hours, code, capsys):
     assert main(["check", str(scene(tmp_path)), "--hours", hours]) == code
     if code == 3:
         assert "are needed, 0.0001 h are given; " in capsys.readouterr().err
+
+
+def test_what_is_vast_is_refused_before_it_is_planned(tmp_path, capsys):
+    path = scene(tmp_path, 50_000_000, "sag, profile")
+    path.write_text(path.read_text().replace("rise: [0 m, 10 m]", "rise: {start: 0 m, stop: 10 m, num: 4}"))
+    assert main(["check", str(path)]) == 3
+    assert "B on disk are needed" in capsys.readouterr().err
