@@ -22,6 +22,8 @@ STUDY = [sys.executable, "-m", "cablesim", "study"]
 NAME = "small"
 LIMIT = 300
 PATIENCE = 5
+# Bytes of a disk with room enough.
+ROOM = 2**28
 # A study of shards that take a moment, so that a run can be killed in the middle of one, and a scene of one large shard
 # in which some scenarios have no solution.
 SCENES = {
@@ -322,10 +324,10 @@ def disk_full(folder: Path, times: int, seed: int) -> Outcome:
     reference = undisturbed()
     while full < times:
         number += 1
-        with small_disk(folder / str(number), 2**28) as disk:
+        with small_disk(folder / str(number), ROOM) as disk:
             run = start(make_study(disk), stderr=subprocess.PIPE, text=True)
             time.sleep(draw.uniform(0.1, 0.8) * reference.seconds)
-            remount(disk, f"size={used(disk) + draw.randrange(60_000)}")
+            remount(disk, f"size={used(disk) + 4096 * draw.randrange(3)}")
             told = run.communicate(timeout=LIMIT)[1]
             if run.returncode == 0:
                 continue  # There was room enough.
@@ -334,7 +336,7 @@ def disk_full(folder: Path, times: int, seed: int) -> Outcome:
             if run.returncode != 3 or not (str(NAME) in line and "bytes" in line) or "Traceback" in told:
                 failures.append(f"{number}: exit code {run.returncode}: {line}")
             before = ledgers(disk)
-            remount(disk, f"size={2**28}")
+            remount(disk, f"size={ROOM}")
             trouble, again = _recovered(disk, reference, before)
             failures += [f"{number}: {trouble}"] if trouble else []
             lost += again
@@ -350,10 +352,10 @@ def kth_write_fails(folder: Path, times: int, seed: int) -> Outcome:
     scene = folder / "config" / "scenes" / "spans.yaml"
     right = _run_scene(scene, folder / "right")
     size = sum(path.stat().st_size for path in (folder / "right").rglob("*") if path.is_file())
-    with small_disk(folder / "disk", 4 * size) as disk:
+    with small_disk(folder / "disk", ROOM) as disk:
         for number in range(times):
             k = 1 + number * (size // 4096) // times
-            _run_scene(scene, disk / "results", full_after=(disk, 4096 * k, 4 * size))
+            _run_scene(scene, disk / "results", full_after=(disk, 4096 * k, ROOM))
             found = _run_scene(scene, disk / "results")
             if found != right:
                 failures.append(f"full at block {k}: {found or 'the next run fails'}")
@@ -397,7 +399,7 @@ def read_only(folder: Path, times: int, seed: int) -> Outcome:
         return NO_DISK
     reference = undisturbed()
     for number in range(times):
-        with small_disk(folder / str(number), 2**28) as disk:
+        with small_disk(folder / str(number), ROOM) as disk:
             make_study(disk)
             if number % 2:
                 _kill(start(disk), draw.uniform(0.2, 0.8) * reference.seconds, whole_tree=True)
