@@ -61,7 +61,7 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
     command += [*(("--cores", cores) if cores else ()), *(("--dry-run",) if dry_run else ())]
     if is_slurm(folder / "config.yaml") and not dry_run:
         command += _on_slurm(Path(planned.results))
-    with _listening() as heard:
+    with _listening(layout.root) as heard:
         try:
             main(command)
         except SystemExit as end:
@@ -83,11 +83,12 @@ def _on_slurm(results: Path) -> list[str]:
 class _Failures(logging.Filter):
     """What Snakemake says of steps that failed."""
 
-    def __init__(self) -> None:
+    def __init__(self, results: Path = Path()) -> None:
         super().__init__()
+        self.results = results
         self.told: dict[str, int] = {}
         self.codes: list[int] = []
-        self.logs = [Path()]
+        self.logs = [results]
         self.machine = ""
         self.stopped = False
 
@@ -102,7 +103,7 @@ class _Failures(logging.Filter):
         found = MACHINE.search(message) if record.levelno >= logging.ERROR else None
         if found is None:
             return True
-        path = Path(found[1] or ".")
+        path = Path(found[1]) if found[1] else self.results
         self.machine = f"{path}: {found[0].partition(':')[0]}, free {free_bytes(path)} bytes"
         return False
 
@@ -132,10 +133,10 @@ class _Failures(logging.Filter):
 
 
 @contextmanager
-def _listening() -> Iterator[_Failures]:
+def _listening(results: Path) -> Iterator[_Failures]:
     from snakemake.logging import logger
 
-    failures = _Failures()
+    failures = _Failures(results)
     logger.addFilter(failures)
     # A log that cannot be written because the disk is full is no reason for tracebacks.
     logging.raiseExceptions = False
