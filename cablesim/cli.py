@@ -99,13 +99,28 @@ def solve(
 
 
 @cli.command()
-@click.argument("scene", type=click.Path(path_type=Path))
-def check(scene: Path) -> None:
-    """Validate a SCENE file and estimate its cost; runs nothing."""
-    from cablesim.config.scene import read_scene
-    from cablesim.report.estimate import estimate
+@click.argument("config", type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<name>).")
+@click.option("--cores", type=click.IntRange(min=1), metavar="N", help="Cores to use (default: all there are).")
+@click.option("--hours", type=float, metavar="H", help="Refuse what would take longer than this.")
+def check(config: Path, out: Path | None, cores: int | None, hours: float | None) -> None:
+    """Validate CONFIG, a study or a scene, and estimate what is left to do; runs nothing.
 
-    click.echo(estimate(read_scene(scene)))
+    Exit code 3: it does not fit on the disk, into memory or into the time given; what would fit is told.
+    """
+    from cablesim.estimate import estimate_study
+    from cablesim.fitting import refuse_what_does_not_fit, room_at
+    from cablesim.machine import available_cores
+    from cablesim.report.estimate import study_lines
+    from cablesim.study import Layout, read_any
+
+    if hours is not None and not 0.0 < hours < math.inf:
+        raise InputError(f"--hours must be a number > 0, not {hours}")
+    name, scenes = read_any(config)
+    layout = Layout(out if out is not None else Path("results") / name)
+    found = estimate_study(scenes, layout, cores or available_cores())
+    click.echo(study_lines(name, found))
+    refuse_what_does_not_fit(found, room_at(layout.root, hours), layout.root)
 
 
 @cli.command()

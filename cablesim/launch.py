@@ -7,13 +7,17 @@ import logging
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from cablesim.errors import CablesimError, EnvironmentFault, InputError
+from cablesim.estimate import estimate_study
 from cablesim.files import free_bytes
+from cablesim.fitting import refuse_what_does_not_fit, room_at
+from cablesim.machine import available_cores
 from cablesim.workflow import PlannedStudy, plan_study
 
-SNAKEFILE, PROFILES = Path("Snakefile"), Path("workflow") / "profiles"
+SNAKEFILE, PROFILES, DEFAULT = Path("Snakefile"), Path("workflow") / "profiles", "default"
 # What a failed step says last, and what is left of it where even its log could not be written.
 LAST_LINE = re.compile(r"^cablesim: (?P<message>.*) \(exit code (?P<code>\d+)\)$", re.MULTILINE)
 STATUS = re.compile(r"returned non-zero exit status (\d+)")
@@ -45,6 +49,8 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
     if cores is not None and cores != "all" and not (cores.isdigit() and int(cores)):
         raise InputError(f"--cores must be a number of cores or 'all', not '{cores[:20]}'")
     planned = plan_study(config, holding=not dry_run)
+    if not dry_run:
+        _refuse_what_does_not_fit(planned, profile, cores)
     from snakemake.cli import main
 
     command = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder), "--configfile", str(config)]
@@ -56,6 +62,16 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
             if end.code:
                 raise heard.gravest() from None
     return planned
+
+
+def _refuse_what_does_not_fit(planned: PlannedStudy, profile: str, cores: str | None) -> None:
+    """Raises EnvironmentFault where disk or memory do not suffice; memory counts where jobs run on this machine."""
+    own = int(cores) if cores is not None and cores != "all" else available_cores()
+    scenes, plans = zip(*((one.scene, one.shard_plan) for one in planned.scenes), strict=True)
+    layout = planned.scenes[0].layout
+    room = room_at(layout.root)
+    found = estimate_study(scenes, layout, own, plans)
+    refuse_what_does_not_fit(found, room if profile == DEFAULT else replace(room, memory=None), layout.root)
 
 
 class _Failures(logging.Filter):
