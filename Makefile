@@ -23,6 +23,7 @@ test: .venv/test  ## Formatting, types, import directions and all tests.
 bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/exact_catenary.py
 	$(BIN)/python benchmarks/workflow.py
+	$(BIN)/python benchmarks/estimates.py
 	$(BIN)/python benchmarks/database.py
 	$(BIN)/python benchmarks/cluster.py
 	$(BIN)/python benchmarks/stream_lines.py

@@ -16,9 +16,10 @@ from cablesim.quantities import SHORT, quantity
 MB = 1_000_000
 # Snakemake reads its rules; then each job is started, logged and noted.
 START_SECONDS, JOB_SECONDS = 2.5, 0.2
-# Imports and reading the scene, by step; a sample is drawn by a library that takes long to import; loading kernels.
+# Imports and reading the scene, by step; importing what draws samples, and what compiles, for each process that reads
+# the scene; loading kernels.
 SOLVE, COLLECT, SUMMARISE, FIGURES, CATALOGUE = 0.25, 1.3, 1.2, 1.25, 0.9
-SAMPLE_SECONDS, LOAD_SECONDS = 0.75, 1.2
+SAMPLE_SECONDS, COMPILER_SECONDS, LOAD_SECONDS = 0.5, 0.45, 1.4
 # Compressing and writing a shard; reading it and writing it again; a row of a table; a number in statistics; a figure.
 WRITE_PER_BYTE, COLLECT_PER_BYTE, SECONDS_PER_ROW, SECONDS_PER_VALUE, SECONDS_PER_FIGURE = (
     1.5e-8,
@@ -27,15 +28,15 @@ WRITE_PER_BYTE, COLLECT_PER_BYTE, SECONDS_PER_ROW, SECONDS_PER_VALUE, SECONDS_PE
     5e-8,
     0.5,
 )
-# Memory of a process that has done nothing yet, and what drawing a sample and loading kernels add.
+# Memory of a process that has done nothing yet, and what the same three add.
 MAIN_BYTES, SOLVE_BYTES, READ_BYTES = 205 * MB, 60 * MB, 200 * MB
-SAMPLE_BYTES, LOAD_BYTES = 120 * MB, 130 * MB
+SAMPLE_BYTES, COMPILER_BYTES, LOAD_BYTES = 50 * MB, 100 * MB, 130 * MB
 # What is held of each byte of answers while a shard is solved, datasets are collected, and read; of each scenario of a
 # shard, of each of a dataset that is read variable by variable, and of each byte of a plan.
 SOLVED_SHARE, COLLECTED_SHARE, READ_SHARE = 2.6, 2.3, 1.5
 SHARD_SCENARIO, READ_SCENARIO, PLAN_SHARE = 100, 50, 1.5
 # Bytes on the disk for each in memory, compressed: smooth along a grid, single precision, not smooth at all.
-GRID_RATIO, HISTORY_RATIO, OTHER_RATIO = 0.68, 0.8, 0.9
+GRID_RATIO, HISTORY_RATIO, OTHER_RATIO = 0.68, 0.7, 0.8
 # Of a number in a table, of a figure in both forms, of what is in every shard and scene.
 CELL_BYTES, FIGURE_BYTES, SHARD_BYTES, SCENE_BYTES = 19, 130_000, 12_000, 40_000
 # Beyond this a table is statistics, and needs no room (report.tables).
@@ -66,16 +67,29 @@ class Sizes:
     @property
     def payload(self) -> float:
         """Bytes of the dataset in memory."""
-        return float(sum(self.scene.size * (_answer_bytes(self.scene, m)[0] + BESIDE) for m in self.scene.methods))
+        return sum(self._payloads)
 
     @property
-    def is_sample(self) -> bool:
-        return self.scene.design.kind == "sample"
+    def part(self) -> float:
+        """Bytes that are collected at a time: a method at most."""
+        return min(max(self._payloads), gather.MOST_BYTES)
+
+    @property
+    def _payloads(self) -> list[float]:
+        return [float(self.scene.size * (_answer_bytes(self.scene, m)[0] + BESIDE)) for m in self.scene.methods]
+
+    @property
+    def imports(self) -> Job:
+        """What importing adds to a process that reads the scene."""
+        sample = self.scene.design.kind == "sample"
+        compiles = any(method.solver.compiled for method in self.scene.methods)
+        seconds = sample * SAMPLE_SECONDS + compiles * COMPILER_SECONDS
+        return Job(seconds, sample * SAMPLE_BYTES + compiles * COMPILER_BYTES)
 
     @property
     def read(self) -> float:
         """Bytes that reading the scene, and its plan, adds to a process."""
-        return self.is_sample * SAMPLE_BYTES + PLAN_SHARE * self.plan_bytes
+        return self.imports.memory + PLAN_SHARE * self.plan_bytes
 
 
 def solve_job(scene: Scene, work: Iterable[tuple[Method, int, float]], plan_bytes: float) -> Job:
@@ -92,20 +106,20 @@ def solve_job(scene: Scene, work: Iterable[tuple[Method, int, float]], plan_byte
 
 def collect_job(sizes: Sizes) -> Job:
     """Joining the shards."""
-    seconds = COLLECT + sizes.is_sample * SAMPLE_SECONDS + COLLECT_PER_BYTE * sizes.payload
-    return Job(seconds, READ_BYTES + sizes.read + COLLECTED_SHARE * min(sizes.payload, gather.MOST_BYTES))
+    seconds = COLLECT + sizes.imports.seconds + COLLECT_PER_BYTE * sizes.payload
+    return Job(seconds, READ_BYTES + sizes.read + COLLECTED_SHARE * sizes.part)
 
 
 def summarise_job(sizes: Sizes) -> Job:
     """Writing the tables."""
     values = sizes.answers * len(sizes.scene.outputs)
-    seconds = SUMMARISE + sizes.is_sample * SAMPLE_SECONDS + SECONDS_PER_VALUE * values
+    seconds = SUMMARISE + sizes.imports.seconds + SECONDS_PER_VALUE * values
     return Job(seconds + SECONDS_PER_ROW * _rows(sizes), READ_BYTES + sizes.read + _held(sizes))
 
 
 def figures_job(sizes: Sizes) -> Job:
     """Drawing the figures."""
-    seconds = FIGURES + sizes.is_sample * SAMPLE_SECONDS + SECONDS_PER_FIGURE * len(sizes.scene.figures)
+    seconds = FIGURES + sizes.imports.seconds + SECONDS_PER_FIGURE * len(sizes.scene.figures)
     return Job(seconds, READ_BYTES + sizes.read + _held(sizes))
 
 

@@ -107,9 +107,7 @@ class StudyEstimate:
         if jobs:
             jobs.append(Job(costs.CATALOGUE, costs.READ_BYTES))
         alone = sum(job.seconds for scene in scenes for job in scene.timing)
-        start = costs.START_SECONDS + costs.SAMPLE_SECONDS * any(
-            scene.scene.design.kind == "sample" for scene in scenes
-        )
+        start = costs.START_SECONDS + max((Sizes(s.scene, 0.0).imports.seconds for s in scenes), default=0.0)
         work = sum(job.seconds for job in jobs) + costs.JOB_SECONDS * len(jobs)
         wall = max((work - alone) / self.cores, max((scene.chain for scene in scenes), default=0.0))
         main = costs.MAIN_BYTES + max((Sizes(s.scene, _plan_bytes(s)).read for s in scenes), default=0.0)
