@@ -146,8 +146,9 @@ def run(scene: Path, out: Path | None) -> int:
 @click.option("--profile", default="default", show_default=True, help="How to run it: a folder in workflow/profiles.")
 @click.option("--cores", metavar="N", help="Cores to use, or 'all' (default: what the profile says).")
 @click.option("--dry-run", is_flag=True, help="Only tell what would be done.")
+@click.option("--anyway", is_flag=True, help="Start even what is not expected to fit on the disk or into memory.")
 @_dask_address
-def study(config: Path, profile: str, cores: str | None, dry_run: bool, dask_address: str | None) -> int:
+def study(config: Path, profile: str, cores: str | None, dry_run: bool, anyway: bool, dask_address: str | None) -> int:
     """Run a study, or finish it after whatever interruption: CONFIG is config/config.yaml if none is given.
 
     What is computed already is kept. Exit code 0: all is solved, 1: scenarios are flagged.
@@ -159,7 +160,7 @@ def study(config: Path, profile: str, cores: str | None, dry_run: bool, dask_add
     if dask_address is not None:
         # The steps of the study read it.
         os.environ[DASK_ADDRESS] = dask_address
-    planned = run_study(config, profile, cores, dry_run)
+    planned = run_study(config, profile, cores, dry_run, anyway)
     if dry_run:
         return 0
     table = fates(Path(planned.results), [scene.name for scene in planned.scenes])

@@ -36,11 +36,14 @@ class StepFailed(CablesimError):
         self.exit_code = code
 
 
-def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = False) -> PlannedStudy:
+def run_study(
+    config: Path, profile: str, cores: str | None, dry_run: bool = False, anyway: bool = False
+) -> PlannedStudy:
     """Do all that a study still asks for, after whatever interruption; a dry run only tells what that is.
 
     Raises InputError for anything wrong in the files of the study, EnvironmentFault where the machine is in the way or
-    another run is in the same folder, and StepFailed, with the gravest message and its exit code, where steps failed.
+    another run is in the same folder, or where the study does not fit on the disk or into memory (unless it is to start
+    `anyway`), and StepFailed, with the gravest message and its exit code, where steps failed.
     """
     folder = PROFILES / profile
     for path in (SNAKEFILE, folder / "config.yaml"):
@@ -49,7 +52,7 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
     if cores is not None and cores != "all" and not (cores.isdigit() and int(cores)):
         raise InputError(f"--cores must be a number of cores or 'all', not '{cores[:20]}'")
     planned = plan_study(config, holding=not dry_run)
-    if not dry_run:
+    if not (dry_run or anyway):
         _refuse_what_does_not_fit(planned, profile, cores)
     from snakemake.cli import main
 

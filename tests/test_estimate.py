@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cablesim import cli, costs, fitting
+from cablesim import cli, costs, fitting, launch
 from cablesim.config.scene import read_scene
 from cablesim.errors import EnvironmentFault
 from cablesim.estimate import StudyEstimate, declared_seconds, estimate_study
@@ -227,6 +227,23 @@ def test_check_of_a_study_has_a_line_for_each_scene(tmp_path, monkeypatch, capsy
     assert first.startswith("one") and second.startswith("two")
     assert valid == "some: 2 scenes, all valid"
     assert "9 jobs" in total and "3 cores" in total
+
+
+def test_a_study_that_does_not_fit_is_not_started(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for path in (launch.SNAKEFILE, launch.PROFILES / "default" / "config.yaml"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    (tmp_path / "scenes").mkdir()
+    scene_file(tmp_path / "scenes", name="one")
+    config = tmp_path / "refused.yaml"
+    config.write_text("study: some\nscenes: [one]\n")
+    planned = launch.plan_study(config)
+    monkeypatch.setattr(launch, "plan_study", lambda *_, **__: planned)
+    for room in (Room(1000, 10**15), Room(10**15, 1000)):
+        monkeypatch.setattr(launch, "room_at", lambda _, room=room: room)
+        with pytest.raises(EnvironmentFault, match=r"one.yaml: needs .*, 1 kB are free"):
+            launch.run_study(config, "default", "2")
 
 
 def test_snapping_lines_are_expected_to_take_longer():

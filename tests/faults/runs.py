@@ -63,9 +63,9 @@ def start(folder: Path, **settings: object) -> subprocess.Popen:
     return subprocess.Popen(STUDY, cwd=folder, start_new_session=True, **{**quiet, **settings})
 
 
-def finish(folder: Path, **settings: object) -> subprocess.CompletedProcess:
+def finish(folder: Path, *options: str, **settings: object) -> subprocess.CompletedProcess:
     """The one command that recovers."""
-    return subprocess.run(STUDY, cwd=folder, capture_output=True, text=True, timeout=LIMIT, **settings)
+    return subprocess.run([*STUDY, *options], cwd=folder, capture_output=True, text=True, timeout=LIMIT, **settings)
 
 
 def last_line(run: subprocess.CompletedProcess) -> str:
@@ -292,7 +292,7 @@ def disk_full(folder: Path, times: int, seed: int) -> Outcome:
         with small_disk(folder / str(number), 16 * needed) as disk:
             make_study(disk)
             remount(disk, f"size={used(disk) + int(draw.uniform(0.02, 0.7) * needed)}")
-            run = finish(disk)
+            run = finish(disk, "--anyway")  # It would be refused.
             line = last_line(run)
             if run.returncode == 1:
                 continue  # There was room enough.
