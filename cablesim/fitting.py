@@ -55,7 +55,8 @@ def refuse_what_does_not_fit(found: StudyEstimate, room: Room, folder: Path) -> 
         scene = max(found.scenes, key=lambda scene: lack.of(found.of(scene)))
         offers = list(_offers(found, scene, room, folder))
         fitting = f"; it fits with {' or '.join(offers)}" if offers else "; no smaller number of scenarios fits"
-        raise EnvironmentFault(f"{scene.scene.path}: {lack.needs}, {lack.has}{fitting}")
+        all_of = f"{len(found.scenes)} scenes, most of all " if len(found.scenes) > 1 else ""
+        raise EnvironmentFault(f"{all_of}{scene.scene.path}: {lack.needs}, {lack.has}{fitting}")
 
 
 def _lacks(found: StudyEstimate, room: Room, folder: Path) -> Iterator[_Lack]:
@@ -89,6 +90,10 @@ def _offers(found: StudyEstimate, large: SceneEstimate, room: Room, folder: Path
     points = _most_points(found, large, axis, partial(_lacks, room=room, folder=folder))
     if points is not None:
         yield _axis_words(scene, axis, points)
+    parts = (replace(found, scenes=found.scenes[:n]) for n in range(len(found.scenes) - 1, 0, -1))
+    part = next((part for part in parts if _fits(part, room, folder)), None)
+    if part is not None and points is None:
+        yield f"the first {len(part.scenes)} of {len(found.scenes)} scenes"
 
 
 def _most_points(

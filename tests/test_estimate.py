@@ -182,8 +182,18 @@ def test_the_largest_scene_of_a_study_is_named(tmp_path):
     config = tmp_path / "config" / "config.yaml"
     config.write_text("study: some\nscenes: [small, large]\n")
     said = refusal(config, Room(10**7, 10**15), tmp_path)
+    assert said.startswith("2 scenes, most of all ")
     assert "large.yaml: needs" in said
     assert "span: {num:" in said
+
+
+def test_of_many_equal_scenes_as_many_fit_as_are_told(tmp_path):
+    scenes = [read_scene(scene_file(tmp_path, name=f"scene_{number}")) for number in range(6)]
+    found = estimate_study(scenes, Layout(tmp_path / "results"), 2)
+    room = Room(found.total.disk_bytes // 2, 10**15)
+    with pytest.raises(EnvironmentFault, match="it fits with the first 3 of 6 scenes"):
+        refuse_what_does_not_fit(found, room, tmp_path)
+    refuse_what_does_not_fit(estimate_study(scenes[:3], Layout(tmp_path / "results"), 2), room, tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,8 @@ from cablesim.solvers._wave_line import DURATION, MooredLine, Options
 TAUT_STEPS, TAUT_STEP, TAUT_ELEMENT = 27.0, 0.9e-6, 0.037e-6
 # Seconds of a period of a snapping line of so many elements at the default tolerance.
 SNAPPING_PERIOD, SNAPPING_SEGMENTS = 4e-4, 20.0
+# Its steps are as much slower where every line has its own.
+SNAPPING_SLOWER = 1.5
 DEFAULT_RTOL = 1e-3
 # Steps over time and the frequency 2 N / L sqrt(EA / m), and seconds for an element.
 EXPLICIT = {"leapfrog": (1.0, 0.065e-6), "rk4": (0.75, 0.24e-6)}
@@ -33,7 +35,8 @@ def march_seconds(p: MooredLine, options: Options, per_element: float) -> Array:
     closer = DEFAULT_RTOL / options.rtol
     taut = TAUT_STEPS * closer**0.32 * (TAUT_STEP + TAUT_ELEMENT * options.segments)
     snapping = SNAPPING_PERIOD * closer**0.8 * (options.segments / SNAPPING_SEGMENTS) ** 1.5
-    return periods * np.where(_goes_slack(p), max(taut, snapping), taut)
+    most = options.most_steps * (TAUT_STEP + TAUT_ELEMENT * options.segments)
+    return np.minimum(periods * np.where(_goes_slack(p), max(taut, snapping), taut), SNAPPING_SLOWER * most)
 
 
 def _explicit(p: MooredLine, options: Options) -> Array:
@@ -42,7 +45,7 @@ def _explicit(p: MooredLine, options: Options) -> Array:
     steps = p.end_time * steps_per_frequency * frequency
     if options.time_step > 0.0:
         steps = p.end_time / options.time_step
-    return steps * per_element * options.segments
+    return np.minimum(steps, options.most_steps) * per_element * options.segments
 
 
 def _goes_slack(p: MooredLine) -> Array:
