@@ -101,28 +101,28 @@ def solve(
 @cli.command()
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Folder of the results (default: results/<name>).")
-@click.option("--cores", type=click.IntRange(min=1), metavar="N", help="Cores to use (default: all of this machine).")
-@click.option("--hours", type=float, default=math.inf, metavar="H", help="Refuse what takes longer.")
-def check(config: Path, out: Path | None, cores: int | None, hours: float) -> None:
-    """Validate CONFIG, a scene or a study, and estimate time, memory and disk; runs nothing.
+@click.option("--cores", type=click.IntRange(min=1), metavar="N", help="Cores to use (default: all there are).")
+@click.option("--hours", type=float, metavar="H", help="Refuse what would take longer than this.")
+def check(config: Path, out: Path | None, cores: int | None, hours: float | None) -> None:
+    """Validate CONFIG, a study or a scene, and estimate what is left to do; runs nothing.
 
-    Exit code 3: it does not fit on the disk, into memory or the hours; what would fit is told.
+    Exit code 3: it does not fit on the disk, into memory or into the time given; what would fit is told.
     """
-    from cablesim.estimate import estimate_study, refuse_vast, refuse_what_does_not_fit
-    from cablesim.plan import make_plan
-    from cablesim.report.estimated import estimate_lines
+    from cablesim.estimate import estimate_study
+    from cablesim.fitting import refuse_vast, refuse_what_does_not_fit, room_at
+    from cablesim.machine import available_cores
+    from cablesim.report.estimate import study_lines
     from cablesim.study import Layout, read_any
 
-    if not hours > 0.0:
-        raise InputError(f"--hours must be > 0, not {hours:g}")
+    if hours is not None and not 0.0 < hours < math.inf:
+        raise InputError(f"--hours must be a number > 0, not {hours}")
     name, scenes = read_any(config)
     layout = Layout(out if out is not None else Path("results") / name)
     for scene in scenes:
-        refuse_vast(scene, layout)
-    found = estimate_study([(scene, make_plan(scene, layout.plans)) for scene in scenes], layout, cores)
-    for line in estimate_lines(found):
-        click.echo(line)
-    refuse_what_does_not_fit(found, layout, hours)
+        refuse_vast(scene, layout.root)
+    found = estimate_study(scenes, layout, cores or available_cores())
+    click.echo(study_lines(name, found))
+    refuse_what_does_not_fit(found, room_at(layout.root, hours), layout.root)
 
 
 @cli.command()
@@ -148,8 +148,9 @@ def run(scene: Path, out: Path | None) -> int:
 @click.option("--profile", default="default", show_default=True, help="How to run it: a folder in workflow/profiles.")
 @click.option("--cores", metavar="N", help="Cores to use, or 'all' (default: what the profile says).")
 @click.option("--dry-run", is_flag=True, help="Only tell what would be done.")
+@click.option("--anyway", is_flag=True, help="Start even what is not expected to fit on the disk or into memory.")
 @_dask_address
-def study(config: Path, profile: str, cores: str | None, dry_run: bool, dask_address: str | None) -> int:
+def study(config: Path, profile: str, cores: str | None, dry_run: bool, anyway: bool, dask_address: str | None) -> int:
     """Run a study, or finish it after whatever interruption: CONFIG is config/config.yaml if none is given.
 
     What is computed already is kept. Exit code 0: all is solved, 1: scenarios are flagged.
@@ -161,7 +162,7 @@ def study(config: Path, profile: str, cores: str | None, dry_run: bool, dask_add
     if dask_address is not None:
         # The steps of the study read it.
         os.environ[DASK_ADDRESS] = dask_address
-    planned = run_study(config, profile, cores, dry_run)
+    planned = run_study(config, profile, cores, dry_run, anyway)
     if dry_run:
         return 0
     table = fates(Path(planned.results), [scene.name for scene in planned.scenes])
@@ -212,15 +213,18 @@ def _tell_fates(scene: "Scene", path: Path) -> int:
 @click.argument("results", type=click.Path(path_type=Path))
 @click.argument("scene", required=False)
 def scenes(results: Path, scene: str | None) -> None:
-    """List the scenes in a folder of RESULTS, or what one SCENE holds: parameters, outputs, fates."""
-    from cablesim.database.reading import open_scene, read_dataset, scene_paths
+    """List the scenes in a folder of RESULTS, or what one SCENE holds: parameters, outputs, fates.
+
+    A SCENE with `*` or `?` lists those that fit the pattern.
+    """
+    from cablesim.database.reading import chosen_paths, is_pattern, open_scene, read_dataset, scene_paths
     from cablesim.report.describe import scene_line, scene_table
 
-    if scene is not None:
+    if scene is not None and not is_pattern(scene):
         click.echo(scene_table(scene, open_scene(results, scene)))
         return
     faults = []
-    for name, path in scene_paths(results).items():
+    for name, path in (scene_paths(results) if scene is None else chosen_paths(results, scene)).items():
         try:
             click.echo(scene_line(name, read_dataset(path)))
         except EnvironmentFault as fault:

@@ -1,259 +1,271 @@
-"""What a study will cost, before it runs: scenarios, jobs, time, memory and disk, from measured rates.
+"""What a study still has to do and what that takes, before it is done: jobs, time, memory and disk.
 
-Solving takes what the ledgers of the folder say where the same method was solved there before, and what its solver
-declares where not. What is in the folder already is not counted again. All other rates were measured with the default
-profile on two cores of an AMD EPYC (`benchmarks/estimates.py` compares estimates with what studies take).
+Solving takes what the solvers declare. Where shards of the same solver and options are in the results already, what
+these took is set against what was declared for them, and the rest is expected to be off by as much. How designs are
+cut into shards does not depend on it. Nothing is written.
 """
 
 import json
 import math
-import os
-from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from heapq import nlargest
 from pathlib import Path
 
+import numpy as np
+
+from cablesim import costs
+from cablesim.config.method import Method
+from cablesim.config.precision_file import WorkPrecision
 from cablesim.config.scene import Scene
-from cablesim.errors import EnvironmentFault
-from cablesim.files import check, free_bytes, ledger
-from cablesim.plan import ScenePlan
-from cablesim.quantities import bytes_per_scenario
-from cablesim.shards import MOST_BYTES, Recipe
+from cablesim.costs import Job, Sizes
+from cablesim.files import ledger
+from cablesim.plan import ScenePlan, make_plan, plan_path, read_plan
+from cablesim.shards import Recipe
+from cablesim.solver import installed, load_solver
 from cablesim.study import Layout
 
-# Seconds of a processor: Snakemake and the plans, for each scene there, for each job, for each figure.
-START, PER_SCENE, PER_JOB, PER_FIGURE = 2.2, 0.04, 1.2, 0.35
-# Seconds for each byte of outputs: writing a shard, collecting it, and what tables and each figure look at.
-WRITE, COLLECT, SUMMARISE, DRAW = 16e-9, 21e-9, 5e-9, 10e-9
-# Jobs of a scene besides solving: collecting, tables, figures; and one for the whole study, the catalogue.
-JOBS_OF_SCENE, JOBS_OF_STUDY = 3, 1
-# Bytes on disk: of a file beside its outputs, of a figure; and of the outputs the part that is left when they are
-# compressed, in a shard and again in the dataset. The dataset and tables of a scene are as many files more.
-PER_FILE, FIGURE_FILES, COMPRESSED = 25_000, 250_000, 0.65
-FILES_OF_SCENE = 10
-# Bytes of memory: a process that solves, one that draws, and of the outputs at hand there are so many copies.
-SOLVING, DRAWING, COPIES = 220_000_000, 320_000_000, 3.0
-# Of Snakemake for each job.
-GRAPH_PER_JOB = 40_000
-# Of what is free, as much may be asked for; and what is said to fit is a little less than what would just do.
-SHARE, MARGIN = 0.95, 0.98
-
-
-@dataclass(frozen=True)
-class SceneEstimate:
-    """What a scene costs in a folder: the seconds that new shards take, the bytes of all, and whether all is done."""
-
-    scene: Scene
-    plan: ScenePlan
-    seconds: dict[str, float]
-    bytes: dict[str, int]
-    done: bool
-
-    @property
-    def new(self) -> int:
-        """Scenarios that are still to be solved, each counted once for every method."""
-        return sum(self.plan.recipes[digest].scenarios for digest in self.seconds)
-
-    @property
-    def bundles(self) -> list[float]:
-        """Seconds of the jobs that solve, their start included."""
-        work = ([self.seconds[s] for s in shards if s in self.seconds] for shards in self.plan.bundles.values())
-        return [PER_JOB + sum(seconds) for seconds in work if seconds]
-
-    @property
-    def jobs(self) -> int:
-        return len(self.bundles) + (0 if self.done else JOBS_OF_SCENE)
-
-    @property
-    def rest(self) -> float:
-        """Seconds of a processor besides solving: timing, collecting, tables and figures."""
-        if self.done:
-            return 0.0
-        timed = len(self.scene.methods) * self.scene.work_precision.seconds if self.scene.work_precision else 0.0
-        figures, everything = len(self.scene.figures), sum(self.bytes.values())
-        return (
-            timed + PER_JOB * JOBS_OF_SCENE + PER_FIGURE * figures + (COLLECT + SUMMARISE + DRAW * figures) * everything
-        )
-
-    @property
-    def processor_seconds(self) -> float:
-        return sum(self.bundles) + self.rest
-
-    def least_seconds(self, cores: int) -> float:
-        """On the clock, with all cores for this scene: it is solved first, and the rest is one step after the other."""
-        return max([sum(self.bundles) / cores, *self.bundles]) + self.rest if self.bundles else self.rest
-
-    @property
-    def memory(self) -> int:
-        """Bytes of the largest process."""
-        at_once = max((self.bytes[digest] for digest in self.seconds), default=0)
-        drawn = min(sum(self.bytes.values()), MOST_BYTES)
-        return int(max(SOLVING + COPIES * at_once, DRAWING + COPIES * drawn))
-
-    @property
-    def growing_disk(self) -> float:
-        """Bytes of outputs that are still to be written, to shards and to the dataset."""
-        stored = sum(self.bytes[digest] for digest in self.seconds) + sum(self.bytes.values())
-        return 0.0 if self.done else COMPRESSED * stored
-
-    @property
-    def fixed_disk(self) -> float:
-        """Bytes of files and figures, however many scenarios there are."""
-        files = len(self.seconds) + FILES_OF_SCENE
-        return 0.0 if self.done else PER_FILE * files + FIGURE_FILES * len(self.scene.figures)
-
-    @property
-    def disk(self) -> int:
-        return int(self.fixed_disk + self.growing_disk)
+# Scenarios of a shard that are looked at, if the solver tells them apart.
+LOOKED_AT = 256
+# The golden section: steps of this part of the design meet the values of every axis evenly.
+STEP = 0.6180339887498949
+# Less measured time than this says nothing, and plans larger than this are not read for it.
+LEAST_MEASURED, LARGEST_READ = 0.1, 50_000_000
+# A run of a method that is timed is at least as long, in seconds (database.timing).
+SHORTEST_RUN = 0.01
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a study costs on some cores: seconds on the clock and of processors, bytes of memory and disk."""
+    """What is still to be done. Memory is that of the largest process; `together` that of all that run at a time."""
+
+    scenarios: int
+    jobs: int
+    seconds: float
+    processor_seconds: float
+    memory_bytes: int
+    together_bytes: int
+    disk_bytes: int
+
+
+@dataclass(frozen=True)
+class MethodEstimate:
+    """What solving by one method takes: scenarios and shards that are not there yet, and seconds."""
+
+    method: Method
+    scenarios: int
+    shards: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class SceneEstimate:
+    """The jobs that a scene still asks for: bundles of shards, timing (alone on the machine), collecting, reporting."""
+
+    scene: Scene
+    methods: tuple[MethodEstimate, ...]
+    solving: tuple[Job, ...]
+    timing: tuple[Job, ...]
+    collecting: tuple[Job, ...]
+    reporting: tuple[Job, ...]
+    disk: float
+
+    @cached_property
+    def jobs(self) -> tuple[Job, ...]:
+        return (*self.solving, *self.timing, *self.collecting, *self.reporting)
+
+    @property
+    def chain(self) -> float:
+        """Seconds of what has to be done one after the other."""
+        return sum(max((job.seconds for job in jobs), default=0.0) for jobs in self._phases) + len(self._phases) * (
+            costs.JOB_SECONDS
+        )
+
+    def together(self, cores: int) -> float:
+        """Memory of the jobs that run at the same time."""
+        return max(
+            (sum(nlargest(cores, (job.memory for job in jobs))) for jobs in (*self._phases, self.timing)), default=0.0
+        )
+
+    @property
+    def _phases(self) -> tuple[tuple[Job, ...], ...]:
+        return tuple(jobs for jobs in (self.solving, self.collecting, self.reporting) if jobs)
+
+
+@dataclass(frozen=True)
+class StudyEstimate:
+    """The scenes of a study, and what they take on some cores, one by one and all together."""
 
     scenes: tuple[SceneEstimate, ...]
     cores: int
+    rates: "Rates"
 
-    @property
-    def scenarios(self) -> int:
-        return sum(scene.plan.scenarios for scene in self.scenes)
+    def of(self, *scenes: SceneEstimate) -> Estimate:
+        """What some of the scenes take, run by themselves."""
+        jobs = [job for scene in scenes for job in scene.jobs]
+        if jobs:
+            jobs.append(Job(costs.CATALOGUE, costs.READ_BYTES))
+        alone = sum(job.seconds for scene in scenes for job in scene.timing)
+        start = costs.START_SECONDS + max((Sizes(s.scene, 0.0).imports.seconds for s in scenes), default=0.0)
+        work = sum(job.seconds for job in jobs) + costs.JOB_SECONDS * len(jobs)
+        wall = max((work - alone) / self.cores, max((scene.chain for scene in scenes), default=0.0))
+        main = costs.MAIN_BYTES + max((Sizes(s.scene, _plan_bytes(s)).read for s in scenes), default=0.0)
+        most = max((scene.together(self.cores) for scene in scenes), default=0.0)
+        several = sum(nlargest(self.cores, (max((j.memory for j in s.jobs), default=0.0) for s in scenes)))
+        return Estimate(
+            scenarios=sum(method.scenarios for scene in scenes for method in scene.methods),
+            jobs=len(jobs),
+            seconds=start + alone + wall,
+            processor_seconds=start + work,
+            memory_bytes=round(max(main, *(job.memory for job in jobs), 0.0)),
+            together_bytes=round(main + max(most, several)),
+            disk_bytes=round(sum(scene.disk for scene in scenes)),
+        )
 
-    @property
-    def jobs(self) -> int:
-        return sum(scene.jobs for scene in self.scenes) + JOBS_OF_STUDY
-
-    @property
-    def start(self) -> float:
-        """Before the first job."""
-        return START + PER_SCENE * len(self.scenes)
-
-    @property
-    def processor_seconds(self) -> float:
-        return self.start + PER_JOB * JOBS_OF_STUDY + sum(scene.processor_seconds for scene in self.scenes)
-
-    @property
-    def seconds(self) -> float:
-        """The cores share the work, but no scene is done sooner than its steps are, one after the other."""
-        shared = (self.processor_seconds - self.start) / self.cores
-        return self.start + max([shared, *(scene.least_seconds(self.cores) for scene in self.scenes)])
-
-    @property
-    def memory(self) -> int:
-        """Of the largest process."""
-        return max([SOLVING + GRAPH_PER_JOB * self.jobs, *(scene.memory for scene in self.scenes)])
-
-    @property
-    def disk(self) -> int:
-        return sum(scene.disk for scene in self.scenes)
+    @cached_property
+    def total(self) -> Estimate:
+        return self.of(*self.scenes)
 
 
-def estimate_study(planned: Iterable[tuple[Scene, ScenePlan]], layout: Layout, cores: int | None = None) -> Estimate:
-    """What the scenes of a study, each with its plan, cost in a folder of results; nothing is written."""
-    workers = cores or os.cpu_count() or 1
-    return Estimate(tuple(_estimate(scene, plan, layout) for scene, plan in planned), workers)
-
-
-def refuse_vast(scene: Scene, layout: Layout) -> None:
-    """Raises EnvironmentFault for outputs that cannot fit on the disk, before a plan is made of them.
-
-    A plan of so many shards may take hours by itself; what is there already may be a part of what is needed.
-    """
-    there = sum(path.stat().st_size for path in layout.shards(scene.name).glob("*.nc"))
-    room = there + SHARE * free_bytes(layout.root)
-    sizes = [{**method.sizes, "section": scene.sections} for method in scene.methods]
-    needed = 2 * COMPRESSED * scene.size * sum(1 + bytes_per_scenario(scene.outputs, own) for own in sizes)
-    if needed > room + there:
-        raise _refusal(scene, f"{size(needed)} on disk are needed, {size(room)} are free", room / needed)
-
-
-def refuse_what_does_not_fit(estimate: Estimate, layout: Layout, hours: float = math.inf) -> None:
-    """Raises EnvironmentFault, with what would fit, where disk, memory or the hours do not suffice."""
-    import psutil
-
-    disk, memory = SHARE * free_bytes(layout.root), SHARE * psutil.virtual_memory().available
-    if estimate.disk > disk:
-        told = f"{size(estimate.disk)} on disk are needed, {size(disk)} are free"
-        scene = max(estimate.scenes, key=lambda one: one.disk)
-        raise _refusal(scene.scene, told, (scene.disk - estimate.disk + disk - scene.fixed_disk) / scene.growing_disk)
-    if estimate.memory > memory:
-        told = f"{size(estimate.memory)} of memory are needed, {size(memory)} are free"
-        scene = max(estimate.scenes, key=lambda one: one.memory)
-        raise _refusal(scene.scene, told, (memory - max(SOLVING, DRAWING)) / (COPIES * sum(scene.bytes.values())))
-    if estimate.seconds > 3600.0 * hours:
-        told = f"{duration(estimate.seconds)} are needed, {hours:g} h are given"
-        scene = max(estimate.scenes, key=lambda one: one.processor_seconds)
-        raise _refusal(scene.scene, told, 3600.0 * hours / estimate.seconds)
-
-
-def _refusal(scene: Scene, told: str, share: float) -> EnvironmentFault:
-    """What to say of a scene of which only a part would fit: how many points of its longest axis."""
-    axis = max(scene.design.axes, key=lambda axis: axis.size)
-    fitting = int(MARGIN * share * axis.size)
-    instead = f"with {fitting} instead of {axis.size} points of {axis.name} it would fit"
-    return EnvironmentFault(
-        f"{scene.path}: {told}; {instead if fitting >= 1 else 'not even a small part of this scene would fit'}"
+def estimate_study(
+    scenes: Sequence[Scene], layout: Layout, cores: int, plans: Sequence[ScenePlan] | None = None
+) -> StudyEstimate:
+    """What scenes still take whose results are in a folder, on so many cores; plans are read or made, never written."""
+    made = plans if plans is not None else [make_plan(scene, layout.plans) for scene in scenes]
+    rates = Rates(layout, made)
+    return StudyEstimate(
+        tuple(estimate_scene(scene, plan, layout, rates) for scene, plan in zip(scenes, made, strict=True)),
+        cores,
+        rates,
     )
 
 
-def _estimate(scene: Scene, plan: ScenePlan, layout: Layout) -> SceneEstimate:
-    folder = layout.shards(scene.name)
-    rates = _measured(plan, layout)
-    sizes = {digest: _bytes(scene, recipe) for digest, recipe in plan.recipes.items()}
-    seconds = {
-        digest: _seconds(recipe, rates) + WRITE * sizes[digest]
-        for digest, recipe in plan.recipes.items()
-        if not ledger(folder / f"{digest}.nc").exists()
-    }
-    return SceneEstimate(scene, plan, seconds, sizes, not seconds and check(layout.dataset(scene.name)).whole)
+class Rates:
+    """Seconds of shards: as declared, times how much those took that are in the results already."""
+
+    def __init__(self, layout: Layout | None = None, plans: Iterable[ScenePlan] = ()) -> None:
+        self._declared: dict[str, tuple[float, float]] = {}
+        if layout is not None:
+            self._measure(layout, plans)
+
+    def seconds(self, recipe: Recipe) -> float:
+        """What a shard is expected to take."""
+        expected, took = self._declared.get(_kind(recipe), (0.0, 0.0))
+        factor = took / expected if took >= LEAST_MEASURED and expected > 0.0 else 1.0
+        return declared_seconds(recipe) * factor
+
+    def _measure(self, layout: Layout, plans: Iterable[ScenePlan]) -> None:
+        for plan in plans:
+            folder = layout.shards(plan.scene)
+            if not folder.is_dir():
+                continue
+            for digest, recipe in _recipes(plan, layout).items():
+                took = _ledger_seconds(folder / f"{digest}.nc")
+                if took > 0.0:
+                    expected, before = self._declared.get(_kind(recipe), (0.0, 0.0))
+                    self._declared[_kind(recipe)] = (expected + declared_seconds(recipe), before + took)
 
 
-def _bytes(scene: Scene, recipe: Recipe) -> int:
-    """The outputs of a shard, with the status."""
-    sizes = next(m.sizes for m in scene.methods if m.solver.name == recipe.solver)
-    return recipe.scenarios * (1 + bytes_per_scenario(recipe.outputs, {**sizes, "section": scene.sections}))
+def declared_seconds(recipe: Recipe) -> float:
+    """What a shard takes by its solver's own account, from its parameters where the solver tells scenarios apart."""
+    solver = load_solver(recipe.solver)
+    if solver.requires and not installed(solver.requires):
+        return 0.0
+    if not solver.tells_scenarios_apart:
+        return recipe.seconds
+    some = solver.from_columns({**recipe.fixed, **_some_points(recipe)})
+    return math.prod(recipe.shape) * float(np.mean(solver.seconds_of(some, solver.make_options(recipe.options))))
 
 
-def _key(recipe: Recipe) -> str:
-    """The same solver with the same options."""
+def estimate_scene(scene: Scene, plan: ScenePlan, layout: Layout | None, rates: Rates) -> SceneEstimate:
+    """What a scene still asks for; without a folder of results, all of it."""
+    folder, recipes = layout.shards(scene.name) if layout else None, plan.recipes
+    there = {digest for digest in recipes if folder and _is_there(folder / f"{digest}.nc")}
+    seconds = {digest: rates.seconds(recipe) for digest, recipe in recipes.items() if digest not in there}
+    known = dict(zip((m.method for m in plan.methods), scene.methods, strict=True))
+    owner = {p.recipe.digest: known[m.method] for m in reversed(plan.methods) for p in m.placements}
+    count = {digest: math.prod(recipes[digest].shape) for digest in seconds}
+    sizes = Sizes(scene, costs.plan_bytes(scene, plan.scenarios))
+    bundles = [
+        [(owner[d], count[d], seconds[d]) for d in shards if d not in there]
+        for name, shards in plan.bundles.items()
+        if not (layout and there.issuperset(shards) and layout.stamp(scene.name, "solve", name).exists())
+    ]
+    is_new = bool(seconds) or layout is None or not plan_path(layout.plans, plan.scene, plan.digest).exists()
+
+    def wanted(step: str, job: Job) -> tuple[Job, ...]:
+        return (job,) if layout is None or is_new or not layout.stamps(scene.name, step) else ()
+
+    own = [(m, [d for d in seconds if owner[d] is m]) for m in scene.methods]
+    methods = tuple(MethodEstimate(m, sum(count[d] for d in ds), len(ds), sum(seconds[d] for d in ds)) for m, ds in own)
+    collecting = wanted("collect", costs.collect_job(sizes))
+    disk = sum(costs.shard_bytes(scene, owner[d], count[d]) for d in seconds)
+    disk += costs.dataset_bytes(sizes) + sizes.plan_bytes if collecting else 0.0
+    return SceneEstimate(
+        scene,
+        methods,
+        tuple(costs.solve_job(scene, work, sizes.plan_bytes) for work in bundles),
+        _timing(scene, methods) if collecting and scene.work_precision else (),
+        collecting,
+        (*wanted("summarise", costs.summarise_job(sizes)), *wanted("figures", costs.figures_job(sizes))),
+        disk,
+    )
+
+
+def _timing(scene: Scene, methods: tuple[MethodEstimate, ...]) -> tuple[Job, ...]:
+    wanted = scene.work_precision
+    assert wanted is not None
+    reference = scene.reference.method if scene.reference else None
+    taken = sum(_timed(scene, one.method, wanted) for one in methods if one.method.name != reference)
+    return (Job(costs.COLLECT + costs.LOAD_SECONDS + taken, costs.READ_BYTES + costs.LOAD_BYTES),)
+
+
+def _timed(scene: Scene, method: Method, wanted: WorkPrecision) -> float:
+    """Solving once, then again as often as is asked or as time allows."""
+    once = scene.size * method.seconds_per_scenario
+    run = max(once, SHORTEST_RUN)
+    return once + max(run, min(wanted.repeats * run, wanted.seconds + run))
+
+
+def _recipes(plan: ScenePlan, layout: Layout) -> dict[str, Recipe]:
+    """The shards of a plan and of the earlier plans of its scene."""
+    found = dict(plan.recipes)
+    for path in sorted(layout.plans.glob(f"{plan.scene}.*.npz")):
+        if path != plan_path(layout.plans, plan.scene, plan.digest) and path.stat().st_size < LARGEST_READ:
+            found |= read_plan(path).recipes
+    return found
+
+
+def _kind(recipe: Recipe) -> str:
     return f"{recipe.solver} {json.dumps(recipe.options, sort_keys=True)}"
 
 
-def _seconds(recipe: Recipe, rates: dict[str, float]) -> float:
-    """What a shard will take to solve."""
-    rate = rates.get(_key(recipe))
-    return recipe.seconds if rate is None else rate * recipe.scenarios
+def _some_points(recipe: Recipe) -> dict[str, np.ndarray]:
+    """Parameters of some scenarios, spread over the shard."""
+    size = math.prod(recipe.shape)
+    chosen = np.arange(size)
+    if size > LOOKED_AT:
+        chosen = ((np.arange(LOOKED_AT) + 0.5) * STEP % 1.0 * size).astype(int)
+    places = np.unravel_index(chosen, recipe.shape) if recipe.shape else ()
+    return {
+        name: values[place]
+        for axis, place in zip(recipe.axes, places, strict=True)
+        for name, values in axis.columns.items()
+    }
 
 
-def _measured(plan: ScenePlan, layout: Layout) -> dict[str, float]:
-    """Seconds for a scenario, by what shards of the same method took in this folder."""
-    seconds: dict[str, float] = defaultdict(float)
-    scenarios: dict[str, int] = defaultdict(int)
-    for digest, recipe in plan.recipes.items():
-        taken = _taken(layout.shards(plan.scene) / f"{digest}.nc")
-        if taken > 0.0:
-            seconds[_key(recipe)] += taken
-            scenarios[_key(recipe)] += recipe.scenarios
-    return {key: seconds[key] / scenarios[key] for key in seconds}
+def _is_there(path: Path) -> bool:
+    """Whether a shard is, by its name: what it holds is looked at when the study starts."""
+    return path.is_file() and ledger(path).is_file()
 
 
-def _taken(shard: Path) -> float:
+def _ledger_seconds(path: Path) -> float:
     try:
-        return float(json.loads(ledger(shard).read_text(encoding="utf-8"))["seconds"])
+        return float(json.loads(ledger(path).read_text(encoding="utf-8"))["seconds"]) if _is_there(path) else 0.0
     except (OSError, ValueError, KeyError, TypeError):
         return 0.0
 
 
-def duration(seconds: float) -> str:
-    """Seconds in words."""
-    if seconds < 120.0:
-        return f"{max(seconds, 1.0):.0f} s"
-    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"
-
-
-def size(size: float) -> str:
-    """Bytes in words."""
-    for unit in ("bytes", "kB", "MB", "GB"):
-        if size < 1000.0:
-            return f"{size:.3g} {unit}"
-        size /= 1000.0
-    return f"{size:.3g} TB"
+def _plan_bytes(estimate: SceneEstimate) -> float:
+    return costs.plan_bytes(estimate.scene, sum(method.scenarios for method in estimate.methods))

@@ -9,17 +9,19 @@ import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from cablesim.errors import CablesimError, EnvironmentFault, InputError
-from cablesim.estimate import estimate_study, refuse_what_does_not_fit
+from cablesim.estimate import estimate_study
 from cablesim.files import free_bytes
+from cablesim.fitting import refuse_what_does_not_fit, room_at
+from cablesim.machine import available_cores
 from cablesim.slurm import cancel_jobs, is_slurm, job_prefix
-from cablesim.study import Layout
 from cablesim.workflow import PlannedStudy, plan_study
 
 SLURM_PLUGIN = "snakemake_executor_plugin_slurm"
-SNAKEFILE, PROFILES = Path("Snakefile"), Path("workflow") / "profiles"
+SNAKEFILE, PROFILES, DEFAULT = Path("Snakefile"), Path("workflow") / "profiles", "default"
 # What a failed step says last, and what is left of it where even its log could not be written.
 LAST_LINE = re.compile(r"^cablesim: (?P<message>.*) \(exit code (?P<code>\d+)\)$", re.MULTILINE)
 STATUS = re.compile(r"returned non-zero exit status (\d+)")
@@ -40,11 +42,14 @@ class StepFailed(CablesimError):
         self.exit_code = code
 
 
-def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = False) -> PlannedStudy:
+def run_study(
+    config: Path, profile: str, cores: str | None, dry_run: bool = False, anyway: bool = False
+) -> PlannedStudy:
     """Do all that a study still asks for, after whatever interruption; a dry run only tells what that is.
 
     Raises InputError for anything wrong in the files of the study, EnvironmentFault where the machine is in the way or
-    another run is in the same folder, and StepFailed, with the gravest message and its exit code, where steps failed.
+    another run is in the same folder, or where the study does not fit on the disk or into memory (unless it is to start
+    `anyway`), and StepFailed, with the gravest message and its exit code, where steps failed.
     """
     folder = PROFILES / profile
     for path in (SNAKEFILE, folder / "config.yaml"):
@@ -53,15 +58,15 @@ def run_study(config: Path, profile: str, cores: str | None, dry_run: bool = Fal
     if cores is not None and cores != "all" and not (cores.isdigit() and int(cores)):
         raise InputError(f"--cores must be a number of cores or 'all', not '{cores[:20]}'")
     planned = plan_study(config, holding=not dry_run)
-    layout = Layout(Path(planned.results))
-    refuse_what_does_not_fit(estimate_study([(one.scene, one.shard_plan) for one in planned.scenes], layout), layout)
+    if not (dry_run or anyway):
+        _refuse_what_does_not_fit(planned, profile, cores)
     from snakemake.cli import main
 
     command = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder), "--configfile", str(config)]
     command += [*(("--cores", cores) if cores else ()), *(("--dry-run",) if dry_run else ())]
     if is_slurm(folder / "config.yaml") and not dry_run:
         command += _on_slurm(Path(planned.results))
-    with _listening(layout.root) as heard:
+    with _listening(Path(planned.results)) as heard:
         try:
             main(command)
         except SystemExit as end:
@@ -78,6 +83,16 @@ def _on_slurm(results: Path) -> list[str]:
     if cancelled:
         print(f"{results}: {cancelled} Slurm jobs of a run that was killed are cancelled", file=sys.stderr)
     return ["--slurm-jobname-prefix", job_prefix(results)]
+
+
+def _refuse_what_does_not_fit(planned: PlannedStudy, profile: str, cores: str | None) -> None:
+    """Raises EnvironmentFault where disk or memory do not suffice; memory counts where jobs run on this machine."""
+    own = int(cores) if cores is not None and cores != "all" else available_cores()
+    scenes, plans = zip(*((one.scene, one.shard_plan) for one in planned.scenes), strict=True)
+    layout = planned.scenes[0].layout
+    room = room_at(layout.root)
+    found = estimate_study(scenes, layout, own, plans)
+    refuse_what_does_not_fit(found, room if profile == DEFAULT else replace(room, memory=None), layout.root)
 
 
 class _Failures(logging.Filter):

@@ -5,6 +5,7 @@
     OUTPUTS      the names of what it can answer, all rows of the table of quantities
     SECONDS_PER_SCENARIO   a measured cost, from which shards are sized; where that depends on the options, a function
                  seconds_per_scenario(options) instead
+    seconds_of(parameters, options)   (optional) a closer estimate: the seconds of each scenario by its parameters
     solve(parameters, options) -> Solution; its answer has an attribute for every output, and one that is a cached
                  property costs nothing unless it is asked for
     sizes(options)   (optional) lengths of the dimensions of its outputs by name, as {"node": 51, "time": 600}; without
@@ -106,6 +107,18 @@ class Solver:
         """The measured cost, with these options."""
         measured = getattr(self.module, "seconds_per_scenario", None)
         return measured(options) if measured else self.module.SECONDS_PER_SCENARIO
+
+    def seconds_of(self, parameters: Any, options: Any) -> Array:
+        """What each of these scenarios is expected to take, as far as the solver can tell them apart."""
+        declared = getattr(self.module, "seconds_of", None)
+        if declared is not None:
+            return declared(parameters, options)
+        return np.full(parameters.size, self.seconds_per_scenario(options))
+
+    @property
+    def tells_scenarios_apart(self) -> bool:
+        """Whether their parameters decide what it says they take."""
+        return hasattr(self.module, "seconds_of")
 
     def sizes(self, options: Any) -> dict[str, int]:
         """The lengths of its outputs' own dimensions, with these options; those that always have one are left out."""

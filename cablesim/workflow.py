@@ -7,8 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
-from cablesim.estimate import refuse_vast
 from cablesim.files import check, discard, holds_good
+from cablesim.fitting import refuse_vast
 from cablesim.held import hold_for_good
 from cablesim.plan import ScenePlan
 from cablesim.sources import code_digest
@@ -134,7 +134,7 @@ def _plan_study(config: Path, checking: bool, holding: bool) -> PlannedStudy:
     layout = Layout(Path("results") / study.name)
     read = study.scenes
     for one in read:
-        refuse_vast(one, layout)
+        refuse_vast(one, layout.root)
     if holding:
         hold_for_good(layout.root)
     scenes = tuple(PlannedScene(scene, layout, sample(scene, layout)) for scene in read)

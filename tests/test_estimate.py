@@ -1,133 +1,287 @@
-"""What a study will cost: counts by hand, what is there already, and refusals with what would fit."""
+"""Estimates of what a study takes: figures by hand, what is there already, and refusals that tell what would fit."""
 
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from cablesim import estimate as estimating
-from cablesim.cli import main
+from cablesim import cli, costs, fitting, launch
 from cablesim.config.scene import read_scene
 from cablesim.errors import EnvironmentFault
-from cablesim.estimate import Estimate, estimate_study, refuse_what_does_not_fit
+from cablesim.estimate import StudyEstimate, declared_seconds, estimate_study
+from cablesim.files import ledger
+from cablesim.fitting import Room, refuse_what_does_not_fit
 from cablesim.plan import make_plan
-from cablesim.study import Layout
-from tests.test_workflow import make_project
+from cablesim.solver import load_solver
+from cablesim.steps import run_scene, sample
+from cablesim.study import Layout, read_any
 
-SCENE = """
-title: Spans
+GB = 10**9
+PLENTY = Room(10**18, 10**15)
+LINES = """\
+title: Lines
 design:
-  grid: {{span: {{start: 10 m, stop: 90 m, num: {num}}}, rise: [0 m, 10 m]}}
-fixed: {{line_length: 120 m, weight_per_length: 5 N/m}}
+  {design}
+fixed: {{line_length: 500 m, weight_per_length: 10 N/m}}
 methods:
-  exact: {{solver: catenary_exact}}
+  exact: {{solver: catenary_exact{options}}}
 outputs: [{outputs}]
 """
 
 
-def scene(folder: Path, num: int = 100, outputs: str = "sag, max_tension") -> Path:
-    path = folder / "spans.yaml"
-    path.write_text(SCENE.format(num=num, outputs=outputs))
+def scene_file(folder: Path, design: str = "", outputs: str = "sag, max_tension", options: str = "", name="lines"):
+    path = folder / f"{name}.yaml"
+    design = design or "grid: {span: {start: 50 m, stop: 400 m, num: 100}}"
+    path.write_text(LINES.format(design=design, outputs=outputs, options=options))
     return path
 
 
-def estimated(path: Path, cores: int = 2) -> Estimate:
-    read, layout = read_scene(path), Layout(path.parent / "results")
-    return estimate_study([(read, make_plan(read, layout.plans))], layout, cores)
+def spans(num: int) -> str:
+    return f"grid: {{span: {{start: 50 m, stop: 400 m, num: {num}}}, rise: [0 m, 10 m]}}"
 
 
-def test_a_small_scene_is_four_jobs_and_the_catalogue(tmp_path):
-    found = estimated(scene(tmp_path))
-    assert (found.scenarios, found.jobs, len(found.scenes[0].seconds)) == (200, 5, 1)
-    assert found.seconds <= found.processor_seconds
-    assert list(tmp_path.iterdir()) == [tmp_path / "spans.yaml"]
+def found_for(path: Path, folder: Path, cores: int = 2) -> StudyEstimate:
+    _, scenes = read_any(path)
+    return estimate_study(scenes, Layout(folder), cores)
 
 
-def test_more_scenarios_cost_more_of_everything(tmp_path):
-    less, more = (estimated(scene(tmp_path, num)) for num in (100_000, 1_000_000))
-    assert more.scenarios == 10 * less.scenarios
-    for cost in ("jobs", "seconds", "processor_seconds", "memory", "disk"):
-        assert getattr(more, cost) >= getattr(less, cost)
-    # Outputs and status, compressed, in shards and in the dataset.
-    assert more.disk - less.disk == pytest.approx(2 * 0.65 * 17 * 1_800_000, rel=0.01)
+def refusal(path: Path, room: Room, folder: Path, cores: int = 2) -> str:
+    with pytest.raises(EnvironmentFault) as refused:
+        refuse_what_does_not_fit(found_for(path, folder, cores), room, folder)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
 
 
-def test_a_profile_costs_disk_and_memory(tmp_path):
-    without, with_profile = (estimated(scene(tmp_path, 50_000, outputs)) for outputs in ("sag", "sag, profile"))
-    assert with_profile.disk > 50 * without.disk
-    assert with_profile.memory > without.memory
-
-
-def test_more_cores_take_less_time_but_no_less_work(tmp_path):
-    few, many = (estimated(scene(tmp_path, 1_000_000, "sag, profile"), cores) for cores in (1, 8))
-    assert many.seconds < few.seconds
-    assert many.processor_seconds == few.processor_seconds
-
-
-def test_what_is_there_is_not_counted_again(tmp_path):
-    path = scene(tmp_path)
-    assert main(["run", str(path), "--out", str(tmp_path / "results")]) == 0
-    found = estimated(path)
-    assert (found.scenes[0].new, found.jobs, found.disk) == (0, 1, 0)
-    grown = estimated(scene(tmp_path, 199))
-    assert (grown.scenarios, grown.scenes[0].new) == (398, 198)
-
-
-def test_ledgers_tell_what_a_method_takes_here(tmp_path):
-    from cablesim.files import ledger
-
-    path = scene(tmp_path)
-    main(["run", str(path), "--out", str(tmp_path / "results")])
-    (shard,) = (tmp_path / "results" / "shards" / "spans").glob("*.nc")
-    text = ledger(shard).read_text()
-    ledger(shard).write_text(re.sub(r'"seconds": [^,]*', '"seconds": 100.0', text))
-    # 200 scenarios took 100 s, and 198 are new.
-    assert estimated(scene(tmp_path, 199)).scenes[0].bundles == [pytest.approx(99.0, abs=2.0)]
-
-
-@pytest.mark.parametrize("what", ["disk", "memory"])
-def test_what_does_not_fit_is_refused_with_what_would_and_that_does(tmp_path, monkeypatch, what):
-    path, free = scene(tmp_path, 400_000, "sag, profile"), 2_000_000_000
-    if what == "disk":
-        monkeypatch.setattr(estimating, "free_bytes", lambda path: free)
-    else:
-        monkeypatch.setattr("psutil.virtual_memory", lambda: type("Memory", (), {"available": 400_000_000}))
-    with pytest.raises(EnvironmentFault) as told:
-        refuse_what_does_not_fit(estimated(path), Layout(tmp_path / "results"))
-    fitting = re.search(
-        r"spans\.yaml: .* needed, .* free; with (\d+) instead of 400000 points of span", str(told.value)
-    )
-    assert fitting
-    refuse_what_does_not_fit(estimated(scene(tmp_path, int(fitting[1]), "sag, profile")), Layout(tmp_path / "results"))
-
-
-def test_a_study_that_does_not_fit_is_not_started(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(make_project(tmp_path))
-    monkeypatch.setattr(estimating, "free_bytes", lambda path: 1000)
-    assert main(["study"]) == 3
-    assert "on disk are needed" in capsys.readouterr().err
-    assert not (tmp_path / "results" / "small" / "shards").exists()
-    assert main(["check", "config/config.yaml"]) == 3
-
-
-def test_a_study_is_checked_scene_by_scene(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(make_project(tmp_path))
-    assert main(["check", "config/config.yaml"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == ["spans", "limits", "in"]
-    assert "in all 20 of 20 scenarios to solve in 9 jobs" in lines[-1]
+def test_a_small_scene_is_a_shard_and_four_steps(tmp_path):
+    found = found_for(scene_file(tmp_path), tmp_path / "results")
+    total = found.total
+    assert (total.scenarios, total.jobs) == (100, 5)
+    starts = costs.SOLVE + costs.COLLECT + costs.SUMMARISE + costs.FIGURES + costs.CATALOGUE
+    fixed = costs.START_SECONDS + 5 * costs.JOB_SECONDS + starts
+    assert total.processor_seconds == pytest.approx(fixed, rel=1e-3)
+    table = costs.CELL_BYTES * 100 * (3 + 2 * 2)
+    answers = 2 * 100 * (16 * costs.GRID_RATIO + costs.BESIDE_STORED)
+    by_hand = costs.SHARD_BYTES + costs.SCENE_BYTES + answers + table + 24 * 100
+    assert total.disk_bytes == round(by_hand)
+    assert total.seconds <= total.processor_seconds
     assert not (tmp_path / "results").exists()
 
 
-@pytest.mark.parametrize(("hours", "code"), [("0.0001", 3), ("10", 0), ("0", 2), ("nan", 2)])
-def test_hours_are_a_limit(tmp_path, hours, code, capsys):
-    assert main(["check", str(scene(tmp_path)), "--hours", hours]) == code
-    if code == 3:
-        assert "are needed, 0.0001 h are given; " in capsys.readouterr().err
+def test_everything_grows_with_the_scenarios(tmp_path):
+    totals = [found_for(scene_file(tmp_path, spans(n)), tmp_path).total for n in (10_000, 100_000, 1_000_000)]
+    for name in ("scenarios", "seconds", "processor_seconds", "together_bytes", "disk_bytes"):
+        values = [getattr(total, name) for total in totals]
+        assert values == sorted(set(values)), name
 
 
-def test_what_is_vast_is_refused_before_it_is_planned(tmp_path, capsys):
-    path = scene(tmp_path, 50_000_000, "sag, profile")
-    path.write_text(path.read_text().replace("rise: [0 m, 10 m]", "rise: {start: 0 m, stop: 10 m, num: 4}"))
-    assert main(["check", str(path)]) == 3
-    assert "B on disk are needed" in capsys.readouterr().err
+def test_profiles_take_their_room(tmp_path):
+    bare, long = (
+        found_for(scene_file(tmp_path, spans(10_000), outputs), tmp_path).total for outputs in ("sag", "sag, profile")
+    )
+    profile = 101 * 3 * 8 * 20_000
+    # Once in the shards, once in the dataset.
+    assert 1.2 * profile < long.disk_bytes - bare.disk_bytes < 2.0 * profile
+    assert long.memory_bytes > bare.memory_bytes
+
+
+def test_a_study_is_its_scenes_and_shares_the_cores(tmp_path):
+    for name in ("one", "two", "three"):
+        scene_file(tmp_path, name=name)
+    scenes = [read_scene(tmp_path / f"{name}.yaml") for name in ("one", "two", "three")]
+    single, several = (estimate_study(scenes, Layout(tmp_path / "results"), cores) for cores in (1, 2))
+    assert single.total.jobs == 3 * 4 + 1
+    assert several.total.processor_seconds == single.total.processor_seconds
+    assert several.total.seconds < single.total.seconds == pytest.approx(single.total.processor_seconds)
+    assert several.total.together_bytes > single.total.together_bytes
+    assert several.total.disk_bytes == sum(several.of(scene).disk_bytes for scene in several.scenes)
+
+
+def test_what_is_there_is_no_work(tmp_path):
+    scene, layout = read_scene(scene_file(tmp_path)), Layout(tmp_path / "results")
+    run_scene(scene, layout, lambda *_: None)
+    total = estimate_study([scene], layout, 2).total
+    assert total.scenarios == 0
+    more = read_scene(scene_file(tmp_path, "grid: {span: {start: 50 m, stop: 400 m, num: 100, also: [401 m, 402 m]}}"))
+    assert estimate_study([more], layout, 2).total.scenarios == 2
+
+
+def test_a_finished_scene_takes_nothing(tmp_path):
+    scene, layout = read_scene(scene_file(tmp_path)), Layout(tmp_path / "results")
+    plan, _ = run_scene(scene, layout, lambda *_: None)
+    stamps = [layout.stamp(scene.name, step, "0" * 16) for step in ("collect", "summarise", "figures")]
+    stamps += [layout.stamp(scene.name, "solve", bundle) for bundle in plan.bundles]
+    for stamp in stamps:
+        stamp.parent.mkdir(exist_ok=True)
+        stamp.touch()
+    total = estimate_study([scene], layout, 2).total
+    assert (total.scenarios, total.jobs, total.disk_bytes) == (0, 0, 0)
+
+
+def test_what_shards_took_is_believed_and_changes_no_shard(tmp_path):
+    layout = Layout(tmp_path / "results")
+    first = read_scene(scene_file(tmp_path))
+    plan = sample(first, layout)
+    (digest, recipe), *_ = plan.recipes.items()
+    shard = layout.shards(first.name) / f"{digest}.nc"
+    shard.parent.mkdir(parents=True)
+    shard.touch()
+    ledger(shard).write_text('{"seconds": 5.0}')
+    other = read_scene(scene_file(tmp_path, "grid: {span: {start: 60 m, stop: 410 m, num: 200}}"))
+    method = estimate_study([other], layout, 2).scenes[0].methods[0]
+    assert method.seconds == pytest.approx(10.0)
+    assert make_plan(other, layout.plans).recipes.keys() == make_plan(other, tmp_path / "elsewhere").recipes.keys()
+    assert declared_seconds(recipe) == recipe.seconds
+
+
+@pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
+def test_the_number_of_points_that_is_told_fits(tmp_path, share):
+    path, results = scene_file(tmp_path, spans(400_000)), tmp_path / "results"
+    room = Room(round(share * found_for(path, results).total.disk_bytes), 10**15)
+    said = refusal(path, room, results)
+    points = int(re.search(r"span: \{num: (\d+)\} instead of 400000", said)[1])
+    assert points > 0.75 * share * 400_000
+    smaller = found_for(scene_file(tmp_path, spans(points)), results)
+    refuse_what_does_not_fit(smaller, room, results)
+
+
+def test_profiles_that_do_not_fit_may_be_left_out(tmp_path):
+    path = scene_file(tmp_path, spans(10_000), "sag, profile")
+    room = Room(20 * 10**6, 10**15)
+    said = refusal(path, room, tmp_path)
+    assert "outputs without `profile`" in said
+    refuse_what_does_not_fit(found_for(scene_file(tmp_path, spans(10_000), "sag"), tmp_path), room, tmp_path)
+
+
+def test_less_memory_is_enough_for_fewer_cores(tmp_path):
+    path = scene_file(tmp_path, spans(400_000))
+    needs = [found_for(path, tmp_path, cores).total.together_bytes for cores in (1, 4)]
+    room = Room(10**18, sum(needs) // 2)
+    cores = int(re.search(r"--cores (\d)", refusal(path, room, tmp_path, 4))[1])
+    refuse_what_does_not_fit(found_for(path, tmp_path, cores), room, tmp_path)
+
+
+def test_time_is_a_limit_where_it_is_given(tmp_path):
+    path = scene_file(tmp_path, spans(4_000_000))
+    total = found_for(path, tmp_path).total
+    room = Room(10**18, 10**15, 0.7 * total.seconds)
+    points = int(re.search(r"span: \{num: (\d+)\}", refusal(path, room, tmp_path))[1])
+    refuse_what_does_not_fit(found_for(scene_file(tmp_path, spans(points)), tmp_path), room, tmp_path)
+    refuse_what_does_not_fit(found_for(path, tmp_path), PLENTY, tmp_path)
+
+
+def test_where_nothing_fits_it_is_said(tmp_path):
+    assert "no smaller number" in refusal(scene_file(tmp_path), Room(10, 10**15), tmp_path)
+
+
+def test_what_is_vast_is_refused_before_it_is_planned_and_what_is_told_fits(tmp_path, monkeypatch):
+    free = 50_000_000
+    monkeypatch.setattr(fitting, "free_bytes", lambda folder: free)
+    vast = read_scene(scene_file(tmp_path, spans(50_000_000), "sag, profile"))
+    with pytest.raises(EnvironmentFault, match=r"GB on the disk, 50 MB are free") as refused:
+        fitting.refuse_vast(vast, tmp_path)
+    points = int(re.search(r"span: \{num: (\d+)\}", str(refused.value))[1])
+    smaller = scene_file(tmp_path, spans(points), "sag, profile")
+    fitting.refuse_vast(read_scene(smaller), tmp_path)
+    refuse_what_does_not_fit(found_for(smaller, tmp_path), Room(free), tmp_path)
+
+
+def test_the_largest_scene_of_a_study_is_named(tmp_path):
+    folder = tmp_path / "config" / "scenes"
+    folder.mkdir(parents=True)
+    scene_file(folder, name="small")
+    scene_file(folder, spans(300_000), name="large")
+    config = tmp_path / "config" / "config.yaml"
+    config.write_text("study: some\nscenes: [small, large]\n")
+    said = refusal(config, Room(10**7, 10**15), tmp_path)
+    assert said.startswith("2 scenes, most of all ")
+    assert "large.yaml: needs" in said
+    assert "span: {num:" in said
+
+
+def test_of_many_equal_scenes_as_many_fit_as_are_told(tmp_path):
+    scenes = [read_scene(scene_file(tmp_path, name=f"scene_{number}")) for number in range(6)]
+    found = estimate_study(scenes, Layout(tmp_path / "results"), 2)
+    room = Room(found.total.disk_bytes // 2, 10**15)
+    with pytest.raises(EnvironmentFault, match="it fits with the first 3 of 6 scenes"):
+        refuse_what_does_not_fit(found, room, tmp_path)
+    refuse_what_does_not_fit(estimate_study(scenes[:3], Layout(tmp_path / "results"), 2), room, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("design", "words"),
+    [
+        (
+            "sample: {method: sobol, num: 50000, seed: 1, ranges: {span: {start: 50 m, stop: 400 m}}}",
+            r"num: \d+ instead of 50000",
+        ),
+        (f"cases: [{', '.join(f'{{span: {50 + i} m}}' for i in range(300))}]", r"\d+ cases instead of 300"),
+        (f"grid: {{span: [{', '.join(f'{50 + i} m' for i in range(300))}]}}", r"\d+ values of span instead of 300"),
+    ],
+)
+def test_it_is_told_in_the_words_of_the_scene(tmp_path, design, words):
+    path = scene_file(tmp_path, design)
+    least = found_for(scene_file(tmp_path), tmp_path).total.disk_bytes
+    whole = found_for(scene_file(tmp_path, design), tmp_path).total.disk_bytes
+    assert re.search(words, refusal(path, Room((least + whole) // 2, 10**15), tmp_path))
+
+
+def test_check_answers_with_its_exit_codes_and_writes_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    path = str(scene_file(tmp_path))
+    assert cli.main(["check", path]) == 0
+    assert "100 to solve in 1 shard(s)" in capsys.readouterr().out
+    monkeypatch.setattr(fitting, "free_bytes", lambda _: 1000)
+    assert cli.main(["check", path]) == 3
+    assert "1 kB are free at results/lines" in capsys.readouterr().err
+    assert cli.main(["check", path, "--hours", "-1"]) == 2
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["lines.yaml"]
+
+
+def test_check_of_a_study_has_a_line_for_each_scene(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scenes").mkdir()
+    for name in ("one", "two"):
+        scene_file(tmp_path / "scenes", name=name)
+    (tmp_path / "config.yaml").write_text("study: some\nscenes: [one, two]\n")
+    assert cli.main(["check", "config.yaml", "--cores", "3"]) == 0
+    first, second, valid, total = capsys.readouterr().out.splitlines()
+    assert first.startswith("one") and second.startswith("two")
+    assert valid == "some: 2 scenes, all valid"
+    assert "9 jobs" in total and "3 cores" in total
+
+
+def test_a_study_that_does_not_fit_is_not_started(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for path in (launch.SNAKEFILE, launch.PROFILES / "default" / "config.yaml"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    (tmp_path / "scenes").mkdir()
+    scene_file(tmp_path / "scenes", name="one")
+    config = tmp_path / "refused.yaml"
+    config.write_text("study: some\nscenes: [one]\n")
+    planned = launch.plan_study(config)
+    monkeypatch.setattr(launch, "plan_study", lambda *_, **__: planned)
+    for room in (Room(1000, 10**15), Room(10**15, 1000)):
+        monkeypatch.setattr(launch, "room_at", lambda _, room=room: room)
+        with pytest.raises(EnvironmentFault, match=r"one.yaml: needs .*, 1 kB are free"):
+            launch.run_study(config, "default", "2")
+
+
+def test_snapping_lines_are_expected_to_take_longer():
+    solver = load_solver("wave_line")
+    line = {"depth": 200.0, "chord_angle": 0.785, "mass_per_length": 3.0, "area": 3e-4, "normal_drag": 15.6}
+    line |= {"tangential_drag": 0.78, "added_mass_per_length": 0.4, "wave_period": 5.6, "linear_stiffness": 1e7}
+    lengths = np.array([0.995, 1.0005, 1.0005])
+    parameters = solver.make_parameters(
+        {name: np.full(3, value) for name, value in line.items()}
+        | {"length_ratio": lengths, "top_amplitude": np.array([0.2, 0.2, 3.0])}
+    )
+    for options in ({"segments": 20}, {"segments": 40, "rtol": 1e-4}):
+        taut, still, snapping = solver.seconds_of(parameters, solver.make_options(options))
+        assert taut == still < snapping
+
+
+def test_the_words_for_sizes_and_times():
+    assert [fitting.size_words(size) for size in (5, 1234, 76e9)] == ["5 bytes", "1.23 kB", "76 GB"]
+    assert [fitting.duration_words(s) for s in (0.2, 61, 600, 9000)] == ["1 s", "61 s", "10 min", "2.5 h"]

@@ -127,7 +127,14 @@ def test_a_study_that_was_killed_on_slurm_ends_with_the_bytes_of_one_on_a_laptop
 def test_jobs_of_one_folder_are_cancelled_and_others_are_not(slurm, tmp_path):
     mine, others = (
         subprocess.run(
-            ["sbatch", "--parsable", "--mem=100", f"--job-name={job_prefix(folder)}_1", "--wrap=sleep 300"],
+            [
+                "sbatch",
+                "--parsable",
+                "--output=/dev/null",
+                "--mem=100",
+                f"--job-name={job_prefix(folder)}_1",
+                "--wrap=sleep 300",
+            ],
             check=True,
             capture_output=True,
             text=True,

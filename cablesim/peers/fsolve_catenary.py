@@ -17,7 +17,7 @@ from cablesim.solvers.catenary_elastic import Parameters
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
 OUTPUTS = ("horizontal_tension", "tension_A", "tension_B", "max_tension")
-SECONDS_PER_SCENARIO = 1e-4
+SECONDS_PER_SCENARIO = 4e-5
 # Slack over length that the start is computed from, for lines that are shorter than their chord.
 LEAST_SLACK = 1e-6
 

@@ -24,7 +24,7 @@ __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 Reach = Callable[[float, float, Any, Any], tuple[float, float]]
 
 OUTPUTS = ("tension_A", "tension_B", "max_tension")
-SECONDS_PER_SCENARIO = 2e-4
+SECONDS_PER_SCENARIO = 6e-5
 
 
 @dataclass(frozen=True)

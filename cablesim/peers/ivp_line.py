@@ -19,13 +19,14 @@ from cablesim.peers._each import Answer, Line, solve_each
 from cablesim.physics.stream import FRICTION_LAWS
 from cablesim.solver import Solution
 from cablesim.solvers._stream_line import StreamLine as Parameters
+from cablesim.solvers._stream_line import march_seconds
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
 Slope = Callable[[float, Array], tuple[float, ...]]
 
 OUTPUTS = ("position_B", "force_A", "force_B", "tension_A", "tension_B", "max_tension")
-SECONDS_PER_SCENARIO = 2e-2
+SECONDS_PER_SCENARIO = 7e-3
 SCHEMES = ("LSODA", "DOP853", "RK45", "Radau", "BDF")
 # Of the integration, in that of the shooting; and of the shortest distance that a difference quotient can tell.
 INNER, DIFFERENCE = 0.1, 1e-8
@@ -39,6 +40,10 @@ class Options:
 
     scheme: str = option("LSODA", one_of=SCHEMES, meaning="method of solve_ivp")
     rtol: float = option(1e-6, at_least=1e-13, at_most=0.1, meaning="relative tolerance of steps and of shooting")
+
+
+def seconds_of(p: Parameters, options: Options) -> Array:
+    return march_seconds(p, SECONDS_PER_SCENARIO, 3e-4)
 
 
 def solve(p: Parameters, options: Options) -> Solution:

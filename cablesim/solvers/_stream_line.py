@@ -37,6 +37,11 @@ TURN = 1e-9
 SLACK_START = 1e-13
 
 
+def march_seconds(p: "StreamLine", between_ends: float, from_force: float) -> Array:
+    """Seconds of each scenario: a line between two ends is marched again and again, one from a force once."""
+    return np.full(p.size, between_ends if p.position_B is not None else from_force)
+
+
 @dataclass(frozen=True)
 class LineBetweenEnds(Batch):
     """A line in a uniform stream of known length between two known ends."""

@@ -29,7 +29,6 @@ from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 2e-3
 COMPILED = True
 ITERATES = True
 # Below this sine a division by it is one by zero.
@@ -45,6 +44,14 @@ class Options(_stream_line.Nodes):
 
     segments: int = option(400, at_least=2, at_most=1_000_000, meaning="steps of equal length")
     rtol: float = option(1e-6, at_least=1e-12, at_most=1e-2, meaning="largest change when the steps are halved")
+
+
+def seconds_per_scenario(options: Options) -> float:
+    return 5e-6 * options.segments
+
+
+def seconds_of(p: Parameters, options: Options) -> Array:
+    return _stream_line.march_seconds(p, seconds_per_scenario(options), 4e-7 * options.segments)
 
 
 def solve(p: Parameters, options: Options) -> Solution:

@@ -22,7 +22,7 @@ from cablesim.solvers._hanging_line import Options
 from cablesim.status import Status
 
 OUTPUTS = (*_hanging_line.OUTPUTS, "stretched_length")
-SECONDS_PER_SCENARIO = 2e-7
+SECONDS_PER_SCENARIO = 1e-7
 
 
 def solve(p: Parameters, options: Options) -> Solution:

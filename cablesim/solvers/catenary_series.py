@@ -15,7 +15,7 @@ from cablesim.solvers._hanging_line import LevelLine as Parameters
 
 __all__ = ["OUTPUTS", "SECONDS_PER_SCENARIO", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 5e-8
+SECONDS_PER_SCENARIO = 3e-8
 
 
 def solve(p: Parameters, options: Options) -> Solution:

@@ -22,7 +22,7 @@ from cablesim.solvers._composite_line import TowLine as Parameters
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 5e-6
+SECONDS_PER_SCENARIO = 1e-6
 ITERATES = True
 COMPILED = True
 

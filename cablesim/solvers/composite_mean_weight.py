@@ -14,7 +14,7 @@ from cablesim.solvers._composite_line import TowLine as Parameters
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 5e-6
+SECONDS_PER_SCENARIO = 4e-7
 ITERATES = True
 COMPILED = True
 

@@ -19,7 +19,7 @@ from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 1e-6
+SECONDS_PER_SCENARIO = 2e-7
 COMPILED = True
 
 

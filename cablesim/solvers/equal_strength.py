@@ -37,7 +37,7 @@ OUTPUTS = (
     "profile_area_ratio",
     "profile_weight",
 )
-SECONDS_PER_SCENARIO = 2e-7
+SECONDS_PER_SCENARIO = 1e-6
 
 
 @dataclass(frozen=True)

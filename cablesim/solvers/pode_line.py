@@ -38,14 +38,14 @@ from cablesim.solvers._pode_march import (
     walk,
 )
 from cablesim.solvers._stream_ends import InnerForce, force_between_ends
-from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, TURN, SolvedLine
+from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, TURN, SolvedLine, march_seconds
 from cablesim.solvers._stream_line import Nodes as Options
 from cablesim.solvers._stream_line import StreamLine as Parameters
 from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 4e-4
+SECONDS_PER_SCENARIO = 2e-4
 COMPILED = True
 ITERATES = True
 
@@ -148,6 +148,10 @@ class PodeLine(SolvedLine):
         downstream = np.einsum("kij,ij->ki", candidates[:, :, :2], self.loads.direction)
         heights = candidates[:, :, 2] if component == 2 else downstream
         return candidates[np.argmax(sign * heights, axis=0), np.arange(at.size)]
+
+
+def seconds_of(p: Parameters, options: Options) -> Array:
+    return march_seconds(p, SECONDS_PER_SCENARIO, 2.5e-5)
 
 
 def solve(p: Parameters, options: Options) -> Solution:

@@ -28,7 +28,7 @@ import numpy as np
 from cablesim.numerics import Array
 from cablesim.solver import Solution
 from cablesim.solvers._stream_ends import force_between_ends
-from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, TURN, Options, SolvedLine
+from cablesim.solvers._stream_line import LONGEST_FOR_DEPTH, OUTPUTS, TURN, Options, SolvedLine, march_seconds
 from cablesim.solvers._stream_line import StreamLine as Parameters
 from cablesim.solvers._stream_march import March, march, moved_by_turn, trace
 from cablesim.solvers._stream_step import FARTHEST, LOWEST, REACHED, TENSION_PEAK, TOO_MANY_STEPS
@@ -36,7 +36,6 @@ from cablesim.status import Status
 
 __all__ = ["OUTPUTS", "Options", "Parameters", "solve"]
 
-SECONDS_PER_SCENARIO = 3e-4
 COMPILED = True
 ITERATES = True
 
@@ -97,6 +96,14 @@ class IntegratedLine(SolvedLine):
         """Position from A of the greater of two peaks."""
         onward, back = self.onward.peaks[:, kind], self.back.peaks[:, kind]
         return np.where(onward[:, :1] >= back[:, :1], onward[:, 1:], back[:, 1:]) - self.back.position
+
+
+def seconds_per_scenario(options: Options) -> float:
+    return 8e-5 * options.rtol ** (-1.0 / 18.0)
+
+
+def seconds_of(p: Parameters, options: Options) -> Array:
+    return march_seconds(p, seconds_per_scenario(options), 0.18 * seconds_per_scenario(options))
 
 
 def solve(p: Parameters, options: Options) -> Solution:

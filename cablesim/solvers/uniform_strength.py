@@ -33,7 +33,7 @@ OUTPUTS = (
     "vertex_x",
     "profile",
 )
-SECONDS_PER_SCENARIO = 2e-6
+SECONDS_PER_SCENARIO = 4e-6
 ITERATES = True
 
 

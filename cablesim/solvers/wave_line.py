@@ -47,6 +47,7 @@ import numpy as np
 from cablesim.numerics import Array
 from cablesim.solver import Solution
 from cablesim.solvers import _wave_explicit, _wave_march, _wave_multistep, _wave_static
+from cablesim.solvers._wave_cost import march_seconds
 from cablesim.solvers._wave_line import MooredLine as Parameters
 from cablesim.solvers._wave_line import Options, empty_records
 from cablesim.solvers._wave_pack import BEYOND_LAW, SOLVED, UNBALANCED, Marched, Problem, Records
@@ -88,8 +89,8 @@ METHODS = {
     "generalized_alpha": (_wave_march.generalized_alpha, 1e-4, 0.1),
     "leapfrog": (_wave_explicit.leapfrog, 1e-3, 0.02),
     "rk4": (_wave_explicit.rk4, 2.5e-3, 0.02),
-    "gear": (_wave_multistep.gear, 1e-2, 0.02),
-    "adams": (_wave_multistep.adams, 3e-2, 0.02),
+    "gear": (_wave_multistep.gear, 3e-3, 0.02),
+    "adams": (_wave_multistep.adams, 4e-3, 0.02),
 }
 FATES = {
     _wave_static.SOLVED: Status.ok,
@@ -109,8 +110,16 @@ def answered(options: Options) -> tuple[str, ...]:
 
 
 def seconds_per_scenario(options: Options) -> float:
-    marches = 1 + 4 * (options.mesh_check == "yes") + 4 * (options.time_check == "yes")
-    return METHODS[options.integrator][1] * options.segments * marches
+    return METHODS[options.integrator][1] * options.segments * _marches(options)
+
+
+def seconds_of(p: Parameters, options: Options) -> Array:
+    return _marches(options) * march_seconds(p, options, METHODS[options.integrator][1])
+
+
+def _marches(options: Options) -> int:
+    """The work in terms of a march: closer meshes and steps are some more."""
+    return 1 + 4 * (options.mesh_check == "yes") + 4 * (options.time_check == "yes")
 
 
 def warm(p: Parameters, options: Options, outputs: tuple[str, ...]) -> None:

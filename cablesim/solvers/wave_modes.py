@@ -65,7 +65,7 @@ class Options:
 
 def seconds_per_scenario(options: Options) -> float:
     stages = {"leapfrog": 1, "rk4": 4}[options.integrator]
-    return 3e-4 * options.segments * stages + 1e-8 * options.segments**3
+    return 5e-4 + 1e-4 * options.segments * stages + 2e-9 * options.segments**3
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,9 @@ import pytest
 import xarray as xr
 
 from cablesim.cli import main
-from cablesim.config.scene import read_scene
 from cablesim.database.answers import WRITERS
 from cablesim.database.query import Request
 from cablesim.database.query import ask as query_of
-from cablesim.estimate import estimate_study
-from cablesim.plan import make_plan
-from cablesim.study import Layout
 
 GOOD = {
     "title": "Sag of two lines",
@@ -77,13 +73,6 @@ def rendered(dataset: xr.Dataset, form: str, *columns: str) -> bytes:
 def tree(folder: Path) -> dict[str, bytes | str]:
     """Everything below a folder: files by their bytes, links by where they lead."""
     return {str(path.relative_to(folder)): _content(path) for path in sorted(folder.rglob("*"))}
-
-
-def estimated_bytes(path: Path) -> int:
-    """What the outputs of a scene are estimated to be, but for the status."""
-    read, layout = read_scene(path), Layout(path.parent / "nowhere")
-    (found,) = estimate_study([(read, make_plan(read, layout.plans))], layout).scenes
-    return sum(found.bytes.values()) - found.plan.scenarios
 
 
 def assert_refused(answer: Answer, *phrases: str) -> None:

@@ -16,7 +16,7 @@ import xarray as xr
 from cablesim.batch import default_outputs
 from cablesim.plan import read_plan
 from cablesim.solver import load_solver, peer_names, solver_names
-from tests.cli.helpers import Answer, scene, tree
+from tests.cli.helpers import Answer, assert_refused, scene, tree
 from tests.helpers import rewritten
 
 Ask = Callable[..., Answer]
@@ -310,6 +310,8 @@ def lasting(files: dict[str, bytes | str]) -> dict[str, bytes | str]:
 def test_scenes_lists_what_a_folder_holds(in_study: Path, ask: Ask) -> None:
     answer = ask("scenes", "results")
     assert (answer.code, answer.err) == (0, "")
+    assert ask("scenes", "results", "t*y").text == answer.text
+    assert_refused(ask("scenes", "results", "y*"), "results", "'y*'")
     (line,) = answer.text.splitlines()
     for part in ("tiny", "16 scenarios", "method 2 x rise 2 x length_ratio 4", "4 flagged", "Slack and taut lines"):
         assert part in line

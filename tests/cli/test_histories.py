@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from cablesim.config.scene import read_scene
+from cablesim.costs import BESIDE, Sizes
 from cablesim.database.query import query
 from cablesim.database.reading import open_scene, read_dataset
 from cablesim.plan import read_plan
@@ -19,7 +20,7 @@ from cablesim.report import figures
 from cablesim.solver import load_solver
 from cablesim.steps import run_scene
 from cablesim.study import Layout
-from tests.cli.helpers import Answer, assert_refused, estimated_bytes, scene
+from tests.cli.helpers import Answer, assert_refused, scene
 
 Ask = Callable[..., Answer]
 HISTORIES = ("history", "history_time", "orbit", "snapshots", "snapshot_tension")
@@ -170,8 +171,8 @@ def test_check_counts_histories_and_the_time_that_options_cost(ask: Ask, tmp_pat
     methods = "{one: {solver: swinging_line, options: {segments: 1000, samples: 1001}}}"
     path.write_text(swung(methods=methods, outputs="[max_top_tension, history]"))
     text = ask("check", path).text
-    # 6 scenarios of 8 bytes, and of 1001 x 3 times 4.
-    assert estimated_bytes(path) == 6 * (8 + 12012)
+    # 6 scenarios of 8 bytes, of 1001 x 3 times 4, and of what is beside every answer.
+    assert Sizes(read_scene(path), 0.0).payload == 6 * (8 + 12012 + BESIDE)
     assert "one (swinging_line): 6 to solve in 1 shard(s), about 6 s" in text
 
 

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from cablesim.config.scene import read_scene
+from cablesim.costs import BESIDE, Sizes
 from cablesim.database.query import query
 from cablesim.database.reading import evaluate, open_scene, select
 from cablesim.errors import InputError
@@ -18,7 +19,7 @@ from cablesim.quantities import MOST_SECTIONS
 from cablesim.report.tables import error_table
 from cablesim.steps import run_scene
 from cablesim.study import Layout
-from tests.cli.helpers import Answer, assert_refused, estimated_bytes, rendered, scene, tree
+from tests.cli.helpers import Answer, assert_refused, rendered, scene, tree
 
 Ask = Callable[..., Answer]
 JOINED = {
@@ -298,12 +299,13 @@ def test_runs_are_compared_by_lists_of_any_length(ask: Ask, tmp_path):
     assert [int(cell) for cell in rows["joint_tension"]] == [2, 1, 0, 0]
 
 
-def test_a_list_is_counted_by_the_sections_of_the_longest_line(tmp_path):
+def test_check_counts_a_list_by_the_sections_of_the_longest_line(ask: Ask, tmp_path):
     path = tmp_path / "joined.yaml"
     sizes = []
     for outputs in ("[tension_B]", "[joint_tension]"):
         path.write_text(joined(**RAGGED, outputs=outputs))
-        sizes.append(estimated_bytes(path))
+        assert ask("check", path).code == 0
+        sizes.append(Sizes(read_scene(path), 0.0).payload - 3 * BESIDE)
     assert sizes == [3 * 8, 3 * 3 * 8]
 
 

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from cablesim.config.scene import read_scene
+from cablesim.costs import BESIDE, Sizes
 from cablesim.database.query import query
 from cablesim.database.reading import evaluate, open_scene, select
 from cablesim.errors import InputError
@@ -18,7 +19,7 @@ from cablesim.report.tables import error_table
 from cablesim.solver import load_solver
 from cablesim.steps import run_scene
 from cablesim.study import Layout
-from tests.cli.helpers import Answer, assert_refused, estimated_bytes, rendered, scene, tree
+from tests.cli.helpers import Answer, assert_refused, rendered, scene, tree
 
 Ask = Callable[..., Answer]
 METHODS = "{one: {solver: pulled_line}, two: {solver: pulled_line, options: {factor: 1.1}}}"
@@ -277,7 +278,7 @@ def test_check_counts_a_vector_as_three_numbers(ask: Ask, tmp_path):
         answer = ask("check", path)
         assert answer.code == 0
         assert "friction_law 2 x line_length 2 = 4 scenarios" in answer.text
-        sizes.append(estimated_bytes(path))
+        sizes.append(Sizes(read_scene(path), 0.0).payload - 8 * BESIDE)
     assert sizes == [8 * 8, 3 * 8 * 8]
 
 

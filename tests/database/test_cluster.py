@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -284,10 +285,13 @@ class ByHand:
 
     @property
     def address(self) -> str:
-        deadline = time.monotonic() + 20
-        while not (self.folder / "scheduler").exists() and time.monotonic() < deadline:
+        """Where the scheduler listens, as soon as it has written that to the end."""
+        deadline, path = time.monotonic() + 60, self.folder / "scheduler"
+        while time.monotonic() < deadline:
+            with suppress(FileNotFoundError, json.JSONDecodeError):
+                return json.loads(path.read_text())["address"]
             time.sleep(0.05)
-        return json.loads((self.folder / "scheduler").read_text())["address"]
+        pytest.fail(f"no Dask scheduler in {path} after 60 s")
 
     def add_worker(self, *arguments: str) -> None:
         self.workers.append(self._start("dask_worker", self.address, "--no-nanny", "--no-dashboard", *arguments))

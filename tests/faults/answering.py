@@ -124,7 +124,7 @@ def warm_up() -> None:
     from cablesim import open_study, steps, verify, workflow  # noqa: F401
     from cablesim.config import scene  # noqa: F401
     from cablesim.database import answers, collect, compare, query, timing  # noqa: F401
-    from cablesim.report import describe, estimated, figures, tables, verified  # noqa: F401
+    from cablesim.report import describe, estimate, figures, tables, verified  # noqa: F401
     from cablesim.units import factor
 
     factor("kN", "N")
