@@ -15,6 +15,10 @@ study = plan_study(
     holding=workflow.is_main_process and not workflow.dryrun,
 )
 
+# What takes the whole machine comes first; then what makes results of what is solved; then solving, the longest first,
+# so that no core is left with a long job at the end; and last the catalogue, which nothing waits for.
+ALONE, SOON, LAST = 1e9, 1e6, -1
+
 
 wildcard_constraints:
     scene="[a-z][a-z0-9_]*",

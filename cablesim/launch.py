@@ -7,6 +7,7 @@ import importlib.util
 import logging
 import re
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -72,7 +73,16 @@ def run_study(
         except SystemExit as end:
             if end.code:
                 raise heard.gravest() from None
+        finally:
+            _cancel_timers()
     return planned
+
+
+def _cancel_timers() -> None:
+    """Snakemake's scheduler wakes itself a second after its last job, and this process would wait for it."""
+    for thread in threading.enumerate():
+        if isinstance(thread, threading.Timer):
+            thread.cancel()
 
 
 def _on_slurm(results: Path) -> list[str]:

@@ -213,12 +213,12 @@ def _rectangles(mask: np.ndarray) -> Iterator[tuple[np.ndarray, ...]]:
 
 
 def _split(block: tuple[np.ndarray, ...], limit: int) -> Iterator[tuple[np.ndarray, ...]]:
-    """Cut along the longest axis until each piece is small enough."""
+    """Cut along the longest axis until all pieces are small enough; an even number, as that of cores is."""
     size = math.prod(points.size for points in block)
     if size <= limit:
         yield block
         return
     longest = max(range(len(block)), key=lambda i: block[i].size)
-    pieces = min(block[longest].size, math.ceil(size / limit))
+    pieces = min(block[longest].size, 2 * math.ceil(0.5 * size / limit))
     for piece in np.array_split(block[longest], pieces):
         yield from _split((*block[:longest], piece, *block[longest + 1 :]), limit)

@@ -2,6 +2,7 @@
 
 import ast
 import hashlib
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -32,17 +33,8 @@ def code_digest(modules: tuple[str, ...], parts: tuple[str, ...]) -> str:
     """
     digest = hashlib.sha256()
     for path in sorted(_sources(modules, parts)):
-        digest.update(f"{path.relative_to(PACKAGE).as_posix()}\0{_code(path)}\0".encode())
+        digest.update(f"{path.relative_to(PACKAGE).as_posix()}\0{_read(path).code}\0".encode())
     return digest.hexdigest()[:16]
-
-
-def _code(path: Path) -> str:
-    """A module without its docstrings, as a syntax tree in words."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
-            node.body = node.body[1:]
-    return ast.dump(tree)
 
 
 def _sources(modules: tuple[str, ...], parts: tuple[str, ...]) -> set[Path]:
@@ -54,22 +46,39 @@ def _sources(modules: tuple[str, ...], parts: tuple[str, ...]) -> set[Path]:
         if path in found:
             continue
         found.add(path)
-        wanted = [module for module in _imported(path) if module.split("/")[0] in parts]
+        wanted = [module for module in _read(path).imported if module.split("/")[0] in parts]
         files = [PACKAGE / file for module in wanted for file in (f"{module}.py", f"{module}/__init__.py")]
         todo += [file for file in files if file.exists()]
     return found
 
 
-def _imported(path: Path) -> set[str]:
-    """Modules of this package that a file imports, as paths below the package."""
-    modules = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module == "cablesim":
-            modules |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("cablesim."):
-            base = node.module.removeprefix("cablesim.").replace(".", "/")
-            modules |= {base, *(f"{base}/{alias.name}" for alias in node.names)}
-        elif isinstance(node, ast.Import):
-            names = [alias.name for alias in node.names if alias.name.startswith("cablesim.")]
-            modules |= {name.removeprefix("cablesim.").replace(".", "/") for name in names}
-    return modules
+@dataclass(frozen=True)
+class _Source:
+    """A module without its docstrings, as a syntax tree in words, and what it imports of this package, as paths."""
+
+    code: str
+    imported: frozenset[str]
+
+
+@cache
+def _read(path: Path) -> _Source:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    imported: set[str] = set()
+    for node in ast.walk(tree):
+        imported |= _imported(node)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
+            node.body = node.body[1:]
+    return _Source(ast.dump(tree), frozenset(imported))
+
+
+def _imported(node: ast.AST) -> set[str]:
+    """Modules of this package that a statement imports, as paths below the package."""
+    if isinstance(node, ast.ImportFrom) and node.module == "cablesim":
+        return {alias.name for alias in node.names}
+    if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("cablesim."):
+        base = node.module.removeprefix("cablesim.").replace(".", "/")
+        return {base, *(f"{base}/{alias.name}" for alias in node.names)}
+    if isinstance(node, ast.Import):
+        names = [alias.name for alias in node.names if alias.name.startswith("cablesim.")]
+        return {name.removeprefix("cablesim.").replace(".", "/") for name in names}
+    return set()

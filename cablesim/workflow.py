@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
+from cablesim.estimate import declared_seconds
 from cablesim.files import check, discard, holds_good
 from cablesim.fitting import refuse_vast
 from cablesim.held import hold_for_good
@@ -65,6 +66,10 @@ class PlannedScene:
     def bundles(self) -> dict[str, tuple[str, ...]]:
         """The shards that one job computes, by the name of the bundle."""
         return self.shard_plan.bundles
+
+    def bundle_seconds(self, bundle: str) -> float:
+        """What the shards of a bundle are expected to take."""
+        return sum(declared_seconds(self.shard_plan.recipes[digest]) for digest in self.bundles[bundle])
 
     @property
     def solved(self) -> list[str]:

@@ -113,6 +113,18 @@ def test_outside_of_a_project_the_missing_file_is_named(tmp_path, monkeypatch, c
     assert "Snakefile: no such file" in capsys.readouterr().err
 
 
+def test_the_scheduler_leaves_no_timer_that_the_process_would_wait_for(project):
+    program = """
+import sys, threading
+from cablesim.cli import main
+main(["study"])
+sys.exit(7 if any(timer.is_alive() and not timer.finished.is_set() for timer in threading.enumerate()
+                  if isinstance(timer, threading.Timer)) else 0)
+"""
+    run = subprocess.run([sys.executable, "-c", program], cwd=project, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+
+
 def test_a_study_tells_how_many_scenarios_met_which_fate(project):
     def study(*arguments: str) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "cablesim", "study", *arguments]

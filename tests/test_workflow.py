@@ -10,6 +10,8 @@ import netCDF4
 import numpy as np
 import pytest
 
+from cablesim.workflow import plan_study
+
 PROJECT = Path(__file__).parent.parent
 SCENES = {
     "spans": """
@@ -113,6 +115,22 @@ def test_the_dataset_is_labelled_and_failed_means_nan(finished):
             np.testing.assert_array_equal(np.isnan(dataset[output]), failed)
     with xr.open_dataset(finished / "results" / "small" / "spans.nc", group="measured") as measured:
         assert (measured.run_time > 0).all()
+
+
+def test_what_takes_longest_is_solved_first_and_the_catalogue_is_last(tmp_path, monkeypatch):
+    folder = make_project(tmp_path)
+    assert snakemake(folder, "--cores", "1").returncode == 0
+    monkeypatch.chdir(folder)
+    planned = plan_study(Path("config") / "config.yaml", checking=False)
+    expected = {one.name: one.bundle_seconds(bundle) for one in planned.scenes for bundle in one.bundles}
+    assert expected["spans"] != expected["limits"]
+    logs = sorted((folder / "results" / "small" / "logs").rglob("*.log"), key=lambda path: path.stat().st_mtime_ns)
+    solved = [path.name.partition("-")[0] for path in logs if path.parent.name == "solve"]
+    assert solved == sorted(expected, key=lambda name: -expected[name])
+    # What is solved is collected and drawn before more is solved.
+    assert [path.parent.name for path in logs[:2]] == ["solve", "collect"]
+    assert {path.parent.name for path in logs[2:4]} == {"summarise", "figures"}
+    assert logs[-1].name == "catalogue.log"
 
 
 def test_a_finished_study_has_nothing_to_do(study):

@@ -19,7 +19,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from scipy.integrate import ode
 
 from cablesim.numerics import Array
 from cablesim.numerics.compiled import compiled
@@ -98,6 +97,8 @@ def march_all(name: str, problem: Problem, has_waves: bool, options: Any, record
 
 def march(line: "Line", method: str, order: int, options: Any) -> tuple[float, float, float]:
     """Fate, steps and evaluations of one line."""
+    from scipy.integrate import ode
+
     solver = ode(line.slope).set_integrator(
         "vode",
         method=method,

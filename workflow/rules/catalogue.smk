@@ -8,6 +8,7 @@ rule catalogue:
         study.catalogue_stamp,
     log:
         f"{study.results}/logs/catalogue.log",
+    priority: LAST
     params:
         results=study.results,
     shell:

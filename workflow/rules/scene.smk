@@ -13,6 +13,7 @@ for scene in study.scenes:
                 scene.timings,
             log:
                 f"{study.results}/logs/measure/{scene.name}.log",
+            priority: ALONE
             threads: workflow.cores
             params:
                 scene=scene.path,
@@ -30,6 +31,7 @@ for scene in study.scenes:
             stamp=scene.stamp("collect"),
         log:
             f"{study.results}/logs/collect/{scene.name}.log",
+        priority: SOON
         params:
             scene=scene.path,
             results=study.results,
@@ -45,6 +47,7 @@ for scene in study.scenes:
             scene.stamp("summarise"),
         log:
             f"{study.results}/logs/summarise/{scene.name}.log",
+        priority: SOON
         params:
             scene=scene.path,
             results=study.results,
@@ -60,6 +63,7 @@ for scene in study.scenes:
             scene.stamp("figures"),
         log:
             f"{study.results}/logs/figures/{scene.name}.log",
+        priority: SOON
         params:
             scene=scene.path,
             results=study.results,

@@ -6,6 +6,7 @@ rule solve:
         f"{study.results}/stamps/{{scene}}.solve.{{bundle}}",
     log:
         f"{study.results}/logs/solve/{{scene}}-{{bundle}}.log",
+    priority: lambda wildcards: study.scene(wildcards.scene).bundle_seconds(wildcards.bundle)
     params:
         plan=lambda wildcards: study.scene(wildcards.scene).plan,
         folder=lambda wildcards: study.scene(wildcards.scene).shards,
