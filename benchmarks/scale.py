@@ -29,9 +29,9 @@ class Cluster:
     """Nodes, each with cores, and what a job costs on Slurm beside its work.
 
     `submit`: a call of sbatch, one after the other. `start`: from there to the first scenario (queue, Python, Snakemake
-    on the node). `seen`: until its end is noticed. Measured with a study of 16 jobs on two virtual nodes of one core and the
-    profile as it is: seven jobs were submitted within a second; those of next to no work took 6 s, those of 18 s of work
-    20 to 26 s; and 2 to 14 s after their end those were submitted that had waited for them.
+    on the node). `seen`: until its end is noticed. Measured with a study of 16 jobs on two virtual nodes of one core
+    and the profile as it is: seven jobs were submitted within a second; those of next to no work took 6 s, those of
+    18 s of work 20 to 26 s; and 2 to 14 s after their end those were submitted that had waited for them.
     """
 
     nodes: int = 100

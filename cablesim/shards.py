@@ -212,13 +212,15 @@ def _rectangles(mask: np.ndarray) -> Iterator[tuple[np.ndarray, ...]]:
                 yield (np.array(positions), *rest)
 
 
-def _split(block: tuple[np.ndarray, ...], limit: int) -> Iterator[tuple[np.ndarray, ...]]:
-    """Cut along the longest axis until all pieces are small enough; an even number, as that of cores is."""
+def _split(block: tuple[np.ndarray, ...], limit: int, even: bool = True) -> Iterator[tuple[np.ndarray, ...]]:
+    """Cut along the longest axis until all pieces are small enough; an even number first, as that of cores is."""
     size = math.prod(points.size for points in block)
     if size <= limit:
         yield block
         return
     longest = max(range(len(block)), key=lambda i: block[i].size)
-    pieces = min(block[longest].size, 2 * math.ceil(0.5 * size / limit))
+    points = block[longest].size
+    pieces = math.ceil(points / max(1, limit * points // size))
+    pieces = min(points, pieces + pieces % 2 * even)
     for piece in np.array_split(block[longest], pieces):
-        yield from _split((*block[:longest], piece, *block[longest + 1 :]), limit)
+        yield from _split((*block[:longest], piece, *block[longest + 1 :]), limit, even=False)

@@ -4,7 +4,7 @@ import contextlib
 import hashlib
 import os
 import random
-import resource
+import re
 import shutil
 import signal
 import subprocess
@@ -447,46 +447,52 @@ def no_memory(folder: Path, times: int, seed: int) -> Outcome:
     """`cablesim run` with less memory than it needs: solved, or exit code 3 in one line; nothing partial is kept."""
     draw, failures, short = random.Random(seed), [], 0
     make_study(folder)
-    scene = folder / "config" / "scenes" / "spans.yaml"
-    scene.write_text(scene.read_text().replace("num: 200", "num: 2000").replace("num: 100", "num: 500"))
-    right = _run_scene(scene, folder / "right")
+    small = folder / "config" / "scenes" / "spans.yaml"
+    large = small.with_name("large.yaml")
+    large.write_text(small.read_text().replace("num: 200", "num: 2000").replace("num: 100", "num: 500"))
+    right = _run_scene(large, folder / "right")
     for number in range(times):
         results = folder / str(number)
-        code, line = _run_in_little_memory(scene, results, int(draw.uniform(0, 60) * 2**20))
+        code, line = _run_in_little_memory(small, large, results, int(draw.uniform(0, MOST_MEMORY)))
         short += code == 3
-        if code not in (1, 3) or (code == 3 and "memory" not in line.lower()):
+        # HDF5 does not say that it is memory that it lacks.
+        if code not in (1, 3) or (code == 3 and not re.search("memory|cannot be read|cannot be written", line)):
             failures.append(f"{number}: exit code {code}: {line}")
-        found = _run_scene(scene, results)
+        found = _run_scene(large, results)
         failures += [] if found == right else [f"{number}: differs after the next run"]
         shutil.rmtree(results)
-    return Outcome(times, tuple(failures), None, f"{short} ran out of memory, with up to 60 MiB more than at the start")
+    most = MOST_MEMORY // 2**20
+    return Outcome(
+        times, tuple(failures), None, f"{short} ran out of memory, with up to {most} MiB more than at the start"
+    )
 
 
-def _run_in_little_memory(scene: Path, results: Path, more: int) -> tuple[int, str]:
-    """Exit code and last line of a run in a process that may take some bytes more than it has when it starts."""
-    told = results.with_suffix(".told")
-    child = os.fork()
-    if child == 0:
-        code = 99
-        try:
-            has = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
-            resource.setrlimit(resource.RLIMIT_AS, (has + more, has + more))
-            with told.open("w") as stream, contextlib.redirect_stderr(stream), contextlib.redirect_stdout(stream):
-                from cablesim.cli import main
+# Runs a small scene, so that all is imported, then a large one with so many bytes more than it has then.
+LITTLE_MEMORY = """
+import os, resource, sys
+from cablesim.cli import main
+small, large, results, more = sys.argv[1:]
+main(["run", small, "--out", results + ".small"])
+has = int(open("/proc/self/statm").read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+resource.setrlimit(resource.RLIMIT_AS, (has + int(more), has + int(more)))
+sys.exit(main(["run", large, "--out", results]))
+"""
+MOST_MEMORY = 120 * 2**20
 
-                code = main(["run", str(scene), "--out", str(results)])
-        finally:
-            os._exit(code)
-    _, status = os.waitpid(child, 0)
-    return os.waitstatus_to_exitcode(status), (told.read_text().strip().splitlines() or [""])[-1]
+
+def _run_in_little_memory(small: Path, large: Path, results: Path, more: int) -> tuple[int, str]:
+    """Exit code and last line of a run in a process that may take some bytes more than it has after a small run."""
+    command = [sys.executable, "-c", LITTLE_MEMORY, str(small), str(large), str(results), str(more)]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+    return run.returncode, last_line(run)
 
 
 NEXT_RUN = "cablesim study"
 FAULTS = (
     Fault("process killed while it writes a shard", "the next run", kill_writers, 50, 1000),
     Fault("job killed", NEXT_RUN, kill_jobs, 1, 6),
-    Fault("scheduler killed, its jobs go on", NEXT_RUN, kill_scheduler, 1, 25),
-    Fault("all processes killed", NEXT_RUN, kill_tree, 1, 25),
+    Fault("scheduler killed, its jobs go on", NEXT_RUN, kill_scheduler, 1, 50),
+    Fault("all processes killed", NEXT_RUN, kill_tree, 1, 50),
     Fault("three starts at once", "none: one of them works", concurrent_starts, 1, 6),
     Fault("disk full at the k-th block", "the next run", kth_write_fails, 5, 100),
     Fault("disk full during a study", NEXT_RUN, disk_full, 1, 8),
