@@ -280,6 +280,9 @@ def test_snapping_lines_are_expected_to_take_longer():
     for options in ({"segments": 20}, {"segments": 40, "rtol": 1e-4}):
         taut, still, snapping = solver.seconds_of(parameters, solver.make_options(options))
         assert taut == still < snapping
+        # A second march with a tenth of the tolerance, which costs more where a line snaps.
+        twice = solver.seconds_of(parameters, solver.make_options(options | {"time_check": "yes"}))
+        assert twice[2] / snapping > twice[0] / taut > 2.0
 
 
 def test_the_words_for_sizes_and_times():

@@ -42,7 +42,7 @@ def march_seconds(p: MooredLine, options: Options, per_element: float) -> Array:
 def _explicit(p: MooredLine, options: Options) -> Array:
     steps_per_frequency, per_element = EXPLICIT[options.integrator]
     frequency = 2.0 * options.segments / p.length * np.sqrt(p.linear_stiffness / p.mass_per_length)
-    steps = p.end_time * steps_per_frequency * frequency
+    steps = p.end_time * steps_per_frequency * frequency / options.step_part
     if options.time_step > 0.0:
         steps = p.end_time / options.time_step
     return np.minimum(steps, options.most_steps) * per_element * options.segments

@@ -39,7 +39,7 @@ Reference: Investigation of the influence of nonlinear elastic properties of the
 cable systems (in Ukrainian), eqs. (1)-(8).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -114,7 +114,12 @@ def seconds_per_scenario(options: Options) -> float:
 
 
 def seconds_of(p: Parameters, options: Options) -> Array:
-    return _marches(options) * march_seconds(p, options, METHODS[options.integrator][1])
+    marches = [options]
+    if options.mesh_check == "yes":
+        marches.append(replace(options, segments=2 * options.segments))
+    if options.time_check == "yes":
+        marches.append(options.closer)
+    return np.sum([march_seconds(p, one, METHODS[options.integrator][1]) for one in marches], axis=0)
 
 
 def _marches(options: Options) -> int:
