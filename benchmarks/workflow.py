@@ -29,7 +29,6 @@ from cablesim import steps
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.database.shard_file import chunk_sizes, solve_recipe, write_shard
-from cablesim.estimate import declared_seconds
 from cablesim.machine import machine
 from cablesim.shards import Recipe
 from cablesim.study import Layout
@@ -203,7 +202,7 @@ def dynamic_overhead(folder: Path, scene: str, repeats: int) -> dict[str, Costs]
     path = make_study(folder, SMALL) / "config" / "scenes" / f"{NAME}.yaml"
     path.write_text(scene)
     plan = steps.sample(read_scene(path), Layout(folder / "planned"))
-    recipes = sorted(plan.recipes.values(), key=declared_seconds, reverse=True)
+    recipes = sorted(plan.recipes.values(), key=lambda recipe: -recipe.expected_seconds)
 
     def workflow() -> None:
         shutil.rmtree(folder / "results", ignore_errors=True)

@@ -6,14 +6,11 @@ cut into shards does not depend on it. Nothing is written.
 """
 
 import json
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import nlargest
 from pathlib import Path
-
-import numpy as np
 
 from cablesim import costs
 from cablesim.config.method import Method
@@ -23,13 +20,8 @@ from cablesim.costs import Job, Sizes
 from cablesim.files import ledger
 from cablesim.plan import ScenePlan, make_plan, plan_path, read_plan
 from cablesim.shards import Recipe
-from cablesim.solver import installed, load_solver
 from cablesim.study import Layout
 
-# Scenarios of a shard that are looked at, if the solver tells them apart.
-LOOKED_AT = 256
-# The golden section: steps of this part of the design meet the values of every axis evenly.
-STEP = 0.6180339887498949
 # Less measured time than this says nothing, and plans larger than this are not read for it.
 LEAST_MEASURED, LARGEST_READ = 0.1, 50_000_000
 # A run of a method that is timed is at least as long, in seconds (database.timing).
@@ -153,7 +145,7 @@ class Rates:
         """What a shard is expected to take."""
         expected, took = self._declared.get(_kind(recipe), (0.0, 0.0))
         factor = took / expected if took >= LEAST_MEASURED and expected > 0.0 else 1.0
-        return declared_seconds(recipe) * factor
+        return recipe.expected_seconds * factor
 
     def _measure(self, layout: Layout, plans: Iterable[ScenePlan]) -> None:
         for plan in plans:
@@ -164,18 +156,7 @@ class Rates:
                 took = _ledger_seconds(folder / f"{digest}.nc")
                 if took > 0.0:
                     expected, before = self._declared.get(_kind(recipe), (0.0, 0.0))
-                    self._declared[_kind(recipe)] = (expected + declared_seconds(recipe), before + took)
-
-
-def declared_seconds(recipe: Recipe) -> float:
-    """What a shard takes by its solver's own account, from its parameters where the solver tells scenarios apart."""
-    solver = load_solver(recipe.solver)
-    if solver.requires and not installed(solver.requires):
-        return 0.0
-    if not solver.tells_scenarios_apart:
-        return recipe.seconds
-    some = solver.from_columns({**recipe.fixed, **_some_points(recipe)})
-    return math.prod(recipe.shape) * float(np.mean(solver.seconds_of(some, solver.make_options(recipe.options))))
+                    self._declared[_kind(recipe)] = (expected + recipe.expected_seconds, before + took)
 
 
 def estimate_scene(scene: Scene, plan: ScenePlan, layout: Layout | None, rates: Rates) -> SceneEstimate:
@@ -185,7 +166,7 @@ def estimate_scene(scene: Scene, plan: ScenePlan, layout: Layout | None, rates: 
     seconds = {digest: rates.seconds(recipe) for digest, recipe in recipes.items() if digest not in there}
     known = dict(zip((m.method for m in plan.methods), scene.methods, strict=True))
     owner = {p.recipe.digest: known[m.method] for m in reversed(plan.methods) for p in m.placements}
-    count = {digest: math.prod(recipes[digest].shape) for digest in seconds}
+    count = {digest: recipes[digest].scenarios for digest in seconds}
     sizes = Sizes(scene, costs.plan_bytes(scene, plan.scenarios))
     bundles = [
         [(owner[d], count[d], seconds[d]) for d in shards if d not in there]
@@ -239,20 +220,6 @@ def _recipes(plan: ScenePlan, layout: Layout) -> dict[str, Recipe]:
 
 def _kind(recipe: Recipe) -> str:
     return f"{recipe.solver} {json.dumps(recipe.options, sort_keys=True)}"
-
-
-def _some_points(recipe: Recipe) -> dict[str, np.ndarray]:
-    """Parameters of some scenarios, spread over the shard."""
-    size = math.prod(recipe.shape)
-    chosen = np.arange(size)
-    if size > LOOKED_AT:
-        chosen = ((np.arange(LOOKED_AT) + 0.5) * STEP % 1.0 * size).astype(int)
-    places = np.unravel_index(chosen, recipe.shape) if recipe.shape else ()
-    return {
-        name: values[place]
-        for axis, place in zip(recipe.axes, places, strict=True)
-        for name, values in axis.columns.items()
-    }
 
 
 def _is_there(path: Path) -> bool:

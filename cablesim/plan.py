@@ -7,10 +7,10 @@ A plan is an .npz file: a JSON head, and the points of every axis and placement 
 
 import hashlib
 import json
-import math
 import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,7 @@ class ScenePlan:
     digest: str
     methods: tuple[MethodPlan, ...]
 
-    @property
+    @cached_property
     def recipes(self) -> dict[str, Recipe]:
         """Every shard by its digest."""
         return {p.recipe.digest: p.recipe for method in self.methods for p in method.placements}
@@ -55,7 +55,7 @@ class ScenePlan:
     @property
     def scenarios(self) -> int:
         """Scenarios in all shards, each counted once for each method that solves it."""
-        return sum(math.prod(recipe.shape) for recipe in self.recipes.values())
+        return sum(recipe.scenarios for recipe in self.recipes.values())
 
 
 def plan_digest(scene: Scene) -> str:

@@ -5,7 +5,6 @@ its own, which is to have one thread from its start.
 """
 
 import hashlib
-import math
 import subprocess
 import sys
 from collections.abc import Callable
@@ -47,7 +46,7 @@ def _solve(recipe: Recipe, folder: Path) -> int:
     if check(out).whole:
         return 0
     write_shard(out, recipe, solve_recipe(recipe))
-    return math.prod(recipe.shape)
+    return recipe.scenarios
 
 
 def measure(scene: Scene, layout: Layout, import_seconds: float) -> None:

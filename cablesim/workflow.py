@@ -7,7 +7,6 @@ from functools import cached_property
 from pathlib import Path
 
 from cablesim.config.scene import Scene
-from cablesim.estimate import declared_seconds
 from cablesim.files import check, discard, holds_good
 from cablesim.fitting import refuse_vast
 from cablesim.held import hold_for_good
@@ -69,7 +68,7 @@ class PlannedScene:
 
     def bundle_seconds(self, bundle: str) -> float:
         """What the shards of a bundle are expected to take."""
-        return sum(declared_seconds(self.shard_plan.recipes[digest]) for digest in self.bundles[bundle])
+        return sum(self.shard_plan.recipes[digest].expected_seconds for digest in self.bundles[bundle])
 
     @property
     def solved(self) -> list[str]:

@@ -9,7 +9,7 @@ import pytest
 from cablesim import cli, costs, fitting, launch
 from cablesim.config.scene import read_scene
 from cablesim.errors import EnvironmentFault
-from cablesim.estimate import StudyEstimate, declared_seconds, estimate_study
+from cablesim.estimate import StudyEstimate, estimate_study
 from cablesim.files import ledger
 from cablesim.fitting import Room, refuse_what_does_not_fit
 from cablesim.plan import make_plan
@@ -131,7 +131,7 @@ def test_what_shards_took_is_believed_and_changes_no_shard(tmp_path):
     method = estimate_study([other], layout, 2).scenes[0].methods[0]
     assert method.seconds == pytest.approx(10.0)
     assert make_plan(other, layout.plans).recipes.keys() == make_plan(other, tmp_path / "elsewhere").recipes.keys()
-    assert declared_seconds(recipe) == recipe.seconds
+    assert recipe.expected_seconds == recipe.seconds
 
 
 @pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
