@@ -47,7 +47,8 @@ def map_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]
     sides = _sides(chosen, settings)
     cells = _cells(of_only_method(value), sides)
     title = settings.get("label", settings["value"])
-    colour = alt.condition("isValid(datum.value)", _shades(cells, title, "value" in settings["log"]), alt.value(GREY))
+    shades = _shades(cells, title, "value" in settings["log"])
+    colour = alt.condition("!isValid(datum.value)", alt.value(GREY), shades)
     tooltip = [*_place(settings), alt.Tooltip("value:Q", title=title, format=".4~g")]
     data = _grid(scenario_numbers(dataset).isel(settings["position"]), sides, {"value": column(cells)})
     return [Panel(_rectangles(settings, sides, colour, tooltip), {"rows": data})]
