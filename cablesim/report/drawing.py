@@ -1,6 +1,5 @@
 """What all figures share: their style and colours, legends, printed points, and words as they stand."""
 
-import math
 import textwrap
 from collections.abc import Iterator
 from typing import Any
@@ -9,12 +8,12 @@ import matplotlib
 import numpy as np
 import xarray as xr
 
-from cablesim.config.figure_file import Points
+from cablesim.config.figure_file import Figure, Points
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.database.reading import written
+from cablesim.database.reading import evaluate, written
 from cablesim.errors import InputError
-from cablesim.quantities import QUANTITIES
+from cablesim.labels import Label
 
 matplotlib.use("Agg")
 
@@ -38,7 +37,6 @@ STYLE: Any = {
 MOST_LEGEND_LINES = 8
 LETTERS_PER_INCH = 11
 LETTERS_PER_HANDLE = 10
-NEWTONS_PER_KILONEWTON = 1e3
 
 
 def legend(axes: Any) -> None:
@@ -82,14 +80,16 @@ def headline(drawn: Any, scene: Scene) -> None:
     drawn.suptitle(plain(textwrap.fill(scene.title, width)), fontsize=11)
 
 
-def draw_points(axes: Any, points: Points | None) -> None:
+def draw_points(axes: Any, figure: Figure) -> None:
     """Points of a printed table, hollow, beside the curves that they belong to."""
+    points: Points | None = figure.settings["points"]
     if points is None:
         return
-    x = points.table.evaluate(points.x)
+    x = points.table.evaluate(points.x) * figure.label("x").factor
     for number, (label, formula) in enumerate(points.y.items()):
         colour = PALETTE[number % len(PALETTE)]
-        axes.plot(x, points.table.evaluate(formula), "o", color=colour, markerfacecolor="white", label=plain(label))
+        y = points.table.evaluate(formula) * figure.label("y").factor
+        axes.plot(x, y, "o", color=colour, markerfacecolor="white", label=plain(label))
 
 
 def plain(text: str) -> str:
@@ -97,12 +97,16 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def value_in_words(value: xr.DataArray) -> str:
-    """A value of a coordinate with its unit, as a legend shows it: angles in degrees."""
-    row = QUANTITIES.get(str(value.name))
-    if row is None or row.unit == "1":
-        return written(value)
-    return f"{math.degrees(value.item()):.6g}°" if row.unit == "rad" else f"{written(value)} {row.shown_unit}"
+def value_in_words(value: xr.DataArray, label: Label) -> str:
+    """A value with the unit that its label asks for, as a legend shows it."""
+    shown = written(value if value.dtype.kind in "SUOT" else value * label.factor)
+    return f"{shown}{'' if label.shown_unit in ('', '°') else ' '}{label.shown_unit}"
+
+
+def evaluated(dataset: xr.Dataset, formula: str, label: Label) -> xr.DataArray:
+    """The values of a formula in the unit of its axis."""
+    values = evaluate(dataset, formula)
+    return values if label.factor == 1.0 else values * label.factor
 
 
 def ascending(x: xr.DataArray, y: xr.DataArray, value: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
@@ -123,11 +127,6 @@ def cell_edges(values: np.ndarray, is_logarithmic: bool) -> np.ndarray:
     half = 0.5 * np.diff(places) if places.size > 1 else np.array([0.5])
     edges = np.concatenate([[places[0] - half[0]], places[:-1] + half, [places[-1] + half[-1]]])
     return np.exp(edges) if is_logarithmic else edges
-
-
-def formula_label(formula: str) -> str:
-    """The label of a quantity where a formula is just its name; else the formula itself."""
-    return QUANTITIES[formula].label if formula in QUANTITIES else plain(formula.replace("_", " "))
 
 
 def word(name: str) -> str:

@@ -28,8 +28,7 @@ def draw_work_precision(scene: Scene, dataset: xr.Dataset, figure: Figure) -> An
         _draw_group(axes, number, name, members)
     for target in TARGETS:
         axes.axhline(target, color="black", linewidth=0.5, linestyle=":", zorder=0)
-    axes.set(xscale="log", yscale="log", xlabel="run time a scenario [s]")
-    axes.set_ylabel(f"largest relative error of {word(found.output)}")
+    axes.set(xscale="log", yscale="log", xlabel=figure.label("x").text, ylabel=figure.label("y").text)
     low, high = axes.get_ylim()
     axes.axhspan(low, min(max(found.least_told, low), high), color=UNTOLD, zorder=0)
     axes.set_ylim(low, high)

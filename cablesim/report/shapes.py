@@ -9,7 +9,7 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import PALETTE, curves, draw_points, legend, plain
+from cablesim.report.drawing import PALETTE, curves, draw_points, legend
 from cablesim.report.sections import draw_sections, section_legend
 
 # Width of a panel and least width of all of them, in inches; thinnest side of the box around lines in space, beside the
@@ -32,7 +32,7 @@ def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     drawn, grid = plt.subplots(rows, columns, sharex=shared and rows > 1, sharey=shared, squeeze=False)
     used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
     for axes, (heading, shapes) in zip(used, panels, strict=True):
-        _draw_panel(axes, dataset, shapes, settings)
+        _draw_panel(axes, dataset, shapes, figure)
         stretch = settings["stretch"] or _own_stretch(axes)
         axes.set_aspect(stretch, adjustable="box" if shared and len(panels) > 1 else "datalim")
         axes.set_title(heading, fontsize=10)
@@ -40,20 +40,17 @@ def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
             axes.set_title("" if stretch == 1.0 else f"heights × {stretch:g}", fontsize=8, loc="right")
     for axes in spare:
         axes.remove()
-    _label_panels(drawn, grid, settings)
+    _label_panels(drawn, grid, figure)
     if len(panels) > 1:
         drawn.set_size_inches(*_size(grid, settings))
     _add_legend(drawn, used[0], settings)
     return drawn
 
 
-def _label_panels(drawn: Any, grid: Any, settings: dict[str, Any]) -> None:
+def _label_panels(drawn: Any, grid: Any, figure: Figure) -> None:
     """Labels of the axes, each once for panels in a column or a row."""
-    across, up = settings["view"]
-    x_label, y_label = (
-        plain(settings.get(f"{axis}_label", f"{name} [m]")) for axis, name in (("x", across), ("y", up))
-    )
-    stretch, panels = settings["stretch"], len(settings["panels"])
+    x_label, y_label = figure.label("x").text, figure.label("y").text
+    stretch, panels = figure.settings["stretch"], len(figure.settings["panels"])
     y_label += "" if stretch in (None, 1.0) else f", drawn × {stretch:g}"
     for axes in grid.flat[max(0, panels - grid.shape[1]) : panels]:
         axes.set(xlabel=x_label)
@@ -85,15 +82,15 @@ def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
     return panel * columns + 1.0, rows * float(np.clip(panel * height / width, 1.0, 5.0)) + 1.6
 
 
-def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
+def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], figure: Figure) -> None:
+    settings = figure.settings
     if settings["colours"] is not None:
-        draw_sections(axes, dataset, shapes, settings)
+        draw_sections(axes, dataset, shapes, figure)
     else:
-        across, up = settings["view"]
+        sides = [(component, figure.label(axis).factor) for axis, component in zip("xy", settings["view"], strict=True)]
         for line, style in curves(dataset, shapes, settings["methods"]):
-            profile = line.profile
-            axes.plot(profile.sel(component=across), profile.sel(component=up), **style)
-    draw_points(axes, settings["points"])
+            axes.plot(*(line.profile.sel(component=component) * factor for component, factor in sides), **style)
+    draw_points(axes, figure)
 
 
 def _add_legend(drawn: Any, first: Any, settings: dict[str, Any]) -> None:
@@ -123,7 +120,7 @@ def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         axes.plot(x, y, z, zorder=3, **style)
     _stream_arrows(axes, dataset, shapes, low, high)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text, zlabel=figure.label("z").text)
     axes.set_box_aspect(high - low, zoom=1.1)
     axes.locator_params(nbins=5)
     drawn.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)

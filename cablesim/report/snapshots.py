@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import NEWTONS_PER_KILONEWTON, plain
+from cablesim.report.drawing import plain
 
 COLOURS = "viridis"
 # Of one panel, and of all side by side, in inches.
@@ -26,35 +26,36 @@ def draw_snapshots(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     rows = -(-len(panels) // columns)
     chosen = dataset.sel({"method": settings["method"]}, drop=True)
     lines = [chosen.isel(shape.position) for panel in panels for shape in panel.shapes]
-    norm = _norm([line.snapshot_tension.values for line in lines])
+    norm = _norm([line.snapshot_tension.values * figure.label("value").factor for line in lines])
     drawn, grid = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
     for axes, panel, line in zip(used, panels, lines, strict=True):
-        _draw_line(axes, line, norm, settings)
+        _draw_line(axes, line, norm, figure)
         axes.set_aspect("equal", adjustable="box" if len(panels) > 1 else "datalim")
         axes.set_title(plain(panel.title), fontsize=10)
     for axes in spare:
         axes.remove()
     drawn.set_size_inches(*_size(grid))
-    _label(drawn, grid, used, settings)
+    _label(grid, used, figure)
     motion = f"; motion × {settings['magnify']:g}" if settings["magnify"] != 1.0 else ""
-    drawn.colorbar(ScalarMappable(norm, COLOURS), ax=list(used), label=f"tension [kN]{motion}")
+    drawn.colorbar(ScalarMappable(norm, COLOURS), ax=list(used), label=f"{figure.label('value').text}{motion}")
     return drawn
 
 
 def _norm(tensions: list[np.ndarray]) -> Normalize:
     """Colours from no tension to the largest."""
     highest = max(float(np.max(values, where=np.isfinite(values), initial=0.0)) for values in tensions)
-    return Normalize(0.0, (highest or 1.0) / NEWTONS_PER_KILONEWTON)
+    return Normalize(0.0, highest or 1.0)
 
 
-def _draw_line(axes: Any, line: xr.Dataset, norm: Normalize, settings: dict[str, Any]) -> None:
+def _draw_line(axes: Any, line: xr.Dataset, norm: Normalize, figure: Figure) -> None:
     """Every phase with a colour for each element: the mean tension of its ends."""
-    view = list(settings["view"])
-    rest = line.profile.sel(component=view).transpose("node", "component").values
-    places = line.snapshots.sel(component=view).transpose("phase", "node", "component").values
+    settings = figure.settings
+    view, factors = list(settings["view"]), [figure.label(axis).factor for axis in "xy"]
+    rest = line.profile.sel(component=view).transpose("node", "component").values * factors
+    places = line.snapshots.sel(component=view).transpose("phase", "node", "component").values * factors
     places = rest + settings["magnify"] * (places - rest)
-    tension = line.snapshot_tension.transpose("phase", "node").values / NEWTONS_PER_KILONEWTON
+    tension = line.snapshot_tension.transpose("phase", "node").values * figure.label("value").factor
     axes.plot(*rest.T, color="black", linestyle="--", linewidth=1.0, zorder=3)
     elements = np.stack([places[:, :-1], places[:, 1:]], axis=2).reshape(-1, 2, 2)
     values = (0.5 * (tension[:, :-1] + tension[:, 1:])).ravel()
@@ -71,11 +72,10 @@ def _size(grid: Any) -> tuple[float, float]:
     return panel * columns + 1.3, height * rows + 1.0
 
 
-def _label(drawn: Any, grid: Any, used: Any, settings: dict[str, Any]) -> None:
+def _label(grid: Any, used: Any, figure: Figure) -> None:
     """Labels of the axes, each once for panels in a column or a row."""
-    across, up = settings["view"]
     for axes in used[-grid.shape[1] :]:
         axes.tick_params(labelbottom=True)
-        axes.set(xlabel=plain(settings.get("x_label", f"{across} [m]")))
+        axes.set(xlabel=figure.label("x").text)
     for axes in grid[:, 0]:
-        axes.set(ylabel=plain(settings.get("y_label", f"{up} [m]")))
+        axes.set(ylabel=figure.label("y").text)

@@ -9,8 +9,8 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, of_method, status_words
-from cablesim.report.drawing import ascending, cell_edges, formula_label, plain, word
+from cablesim.database.reading import of_method, status_words
+from cablesim.report.drawing import ascending, cell_edges, evaluated, plain, word
 from cablesim.status import Status
 
 # Of Okabe and Ito's palette, but for what is solved, not installed or not run: told apart by any kind of colour vision,
@@ -33,38 +33,41 @@ def draw_status_map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     methods, words = settings["methods"], status_words(dataset)
     chosen = dataset.isel(settings["position"])
     fates = [of_method(chosen.status, method) for method in methods]
-    drawn = _panels(chosen, fates, settings) if "y" in settings else _rows(chosen, fates, settings)
+    drawn = _panels(chosen, fates, figure) if "y" in settings else _rows(chosen, fates, figure)
     _name_statuses(drawn, np.concatenate([fate.values.ravel() for fate in fates]), words)
     return drawn
 
 
-def _panels(dataset: xr.Dataset, fates: list[xr.DataArray], settings: dict[str, Any]) -> Any:
+def _panels(dataset: xr.Dataset, fates: list[xr.DataArray], figure: Figure) -> Any:
+    settings = figure.settings
     columns = min(settings["across"], len(fates))
     rows = -(-len(fates) // columns)
     size = (max(PANEL_WIDTH * columns + 0.8, LEAST_WIDTH), PANEL_HEIGHT * rows + AROUND)
     drawn, grid = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False)
-    x, y = (evaluate(dataset, settings[name]) for name in ("x", "y"))
+    x, y = (evaluated(dataset, settings[name], figure.label(name)) for name in ("x", "y"))
     for axes, fate, method in zip(grid.flat, fates, settings["methods"], strict=False):
         _paint(axes, x, y, fate, settings)
         axes.set_title(plain(word(method)), fontsize=9)
     for axes in grid[:, 0]:
-        axes.set_ylabel(_words_of("y", settings))
+        axes.set_ylabel(figure.label("y").text)
     # Below the last panel of each column, which need not be in the last row.
     for axes in grid.flat[max(len(fates) - columns, 0) : len(fates)]:
-        axes.set_xlabel(_words_of("x", settings))
+        axes.set_xlabel(figure.label("x").text)
         axes.tick_params(labelbottom=True)
     for axes in grid.flat[len(fates) :]:
         axes.remove()
     return drawn
 
 
-def _rows(dataset: xr.Dataset, fates: list[xr.DataArray], settings: dict[str, Any]) -> Any:
+def _rows(dataset: xr.Dataset, fates: list[xr.DataArray], figure: Figure) -> Any:
+    settings = figure.settings
     drawn, axes = plt.subplots(figsize=(LEAST_WIDTH, max(ROW * len(fates), LEAST_HEIGHT) + AROUND))
     numbers = xr.DataArray(np.arange(len(fates)), dims="method")
-    _paint(axes, evaluate(dataset, settings["x"]), numbers, xr.concat(fates, "method"), settings)
+    x = evaluated(dataset, settings["x"], figure.label("x"))
+    _paint(axes, x, numbers, xr.concat(fates, "method"), settings)
     axes.set_yticks(numbers.values, [plain(word(method)) for method in settings["methods"]])
     axes.invert_yaxis()
-    axes.set_xlabel(_words_of("x", settings))
+    axes.set_xlabel(figure.label("x").text)
     return drawn
 
 
@@ -88,7 +91,3 @@ def _name_statuses(drawn: Any, fates: np.ndarray, words: tuple[str, ...]) -> Non
     handles = [plt.Rectangle((0, 0), 1, 1, facecolor=COLOURS[status], edgecolor="#888888") for status in found]
     labels = [f"{word(status.name)} ({counts[status]} of {fates.size}): {status.sentence}" for status in found]
     drawn.legend(handles, labels, loc="outside lower left", fontsize=8)
-
-
-def _words_of(name: str, settings: dict[str, Any]) -> str:
-    return plain(settings[f"{name}_label"]) if f"{name}_label" in settings else formula_label(settings[name])
