@@ -12,6 +12,7 @@ from cablesim.quantities import QUANTITIES
 
 # What TeX calls otherwise than Unicode does; other Greek letters have one name.
 SPECIAL = {"varepsilon": "ε", "vartheta": "θ", "varphi": "φ", "ell": "ℓ", "max": "max", "min": "min", "to": "→"}
+_POWER = re.compile(f"[{units.POWERS}]+")
 DOT_ABOVE = "\u0307"
 _MATHEMATICS = re.compile(r"(?<!\\)\$(.*?)(?<!\\)\$")
 
@@ -31,7 +32,7 @@ class Label:
     @property
     def text(self) -> str:
         """All of it, as matplotlib reads it."""
-        return _joined(self.words, self.symbol and f"${self.symbol}$", self.bracket)
+        return _joined(self.words, self.symbol and f"${self.symbol}$", self.tex_unit and f"[{self.tex_unit}]")
 
     @property
     def plain(self) -> str:
@@ -54,6 +55,11 @@ class Label:
         return units.shown(self.unit)
 
     @property
+    def tex_unit(self) -> str:
+        """The same as matplotlib reads it."""
+        return lowered(self.shown_unit)
+
+    @property
     def bracket(self) -> str:
         """The unit in brackets; nothing for a plain number."""
         return f"[{self.shown_unit}]" if self.shown_unit else ""
@@ -72,6 +78,11 @@ def quantity_label(name: str) -> Label:
 def as_shown(label: Label) -> Label:
     """A label in SI in the unit that is shown where nobody asks for another: angles are in degrees."""
     return label.in_unit("deg") if label.unit == "rad" else label
+
+
+def lowered(text: str) -> str:
+    """A text whose raised digits are powers in TeX: few fonts have them all."""
+    return _POWER.sub(lambda found: f"$^{{{found[0].translate(units.LOWERED)}}}$", text)
 
 
 def unicode(tex: str) -> str:

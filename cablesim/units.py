@@ -19,7 +19,8 @@ NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?"
 _UNIT_NAME = r"[A-Za-zµμ°%]{1,20}"
 _POWER = r"(?:\s?(?:\^|\*\*)?-?[0-9])?"
 UNIT = rf"{_UNIT_NAME}{_POWER}(?:(?:\s?[*/·]\s?|\s){_UNIT_NAME}{_POWER}){{0,5}}"
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+DIGITS, POWERS = "-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
+RAISED, LOWERED = str.maketrans(DIGITS, POWERS), str.maketrans(POWERS, DIGITS)
 # Units that have a sign.
 SHOWN = {"deg": "°", "degree": "°", "percent": "%"}
 _VALUE = re.compile(rf"\s*({NUMBER})\s*({UNIT})?\s*")

@@ -73,6 +73,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
         "history": read_history,
         "orbit": read_orbit,
         "snapshots": read_snapshots,
+        "animation": read_snapshots,
         "convergence": _read_convergence,
         "audit": _read_audit,
         "work_precision": _read_work_precision,

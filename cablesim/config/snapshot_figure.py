@@ -1,4 +1,4 @@
-"""Figures of kind `snapshots`: the line at some phases of a period, coloured by its tension."""
+"""Figures of kind `snapshots` and `animation`: the line through a period, coloured by its tension."""
 
 from typing import Any
 

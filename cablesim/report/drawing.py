@@ -13,15 +13,18 @@ from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
 from cablesim.database.reading import evaluate, written
 from cablesim.errors import InputError
-from cablesim.labels import Label
+from cablesim.labels import Label, lowered
 
 matplotlib.use("Agg")
 
 # Okabe and Ito's palette: distinct for every kind of colour vision.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
 DASHES = ("-", "--", "-.", ":")
+# In inches: a page of a journal is 178 mm wide. In points: text, titles of panels and labels; legends; notes.
+PAGE = 7.0
+TEXT, LEGEND, NOTE = 10, 9, 8
 STYLE: Any = {
-    "figure.figsize": (7.0, 4.5),
+    "figure.figsize": (PAGE, 4.5),
     "figure.constrained_layout.use": True,
     "axes.grid": True,
     "grid.alpha": 0.3,
@@ -29,13 +32,22 @@ STYLE: Any = {
     "axes.spines.right": False,
     "axes.axisbelow": True,
     "legend.frameon": False,
-    "font.size": 10,
+    # Letters of a journal, with symbols in the same; what they lack is taken from the other.
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
+    "mathtext.fontset": "stix",
+    "font.size": TEXT,
+    "axes.titlesize": TEXT,
+    "figure.titlesize": TEXT + 1,
+    "figure.labelsize": TEXT,
+    "legend.fontsize": LEGEND,
     # The same figure must be the same bytes: no random ids, no clock.
     "svg.hashsalt": "cablesim",
     "svg.fonttype": "path",
+    # Letters that can be searched and edited: TrueType fonts, embedded.
+    "pdf.fonttype": 42,
 }
 MOST_LEGEND_LINES = 8
-LETTERS_PER_INCH = 11
+LETTERS_PER_INCH = 13
 LETTERS_PER_HANDLE = 10
 
 
@@ -43,7 +55,7 @@ def legend(axes: Any) -> None:
     """A legend where there is something to tell apart, beside the axes where it is long."""
     lines = len(axes.get_legend_handles_labels()[0])
     if lines > MOST_LEGEND_LINES:
-        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
+        axes.legend(fontsize=NOTE, loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif lines > 1:
         axes.legend()
 
@@ -53,13 +65,14 @@ def curves(
 ) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
     """One scenario of one method for each curve, and how it is drawn.
 
-    Scenarios differ in colour, methods in dashes, and in colour where that is free.
+    Scenarios differ in colour, methods in dashes; where there is but one of either, in both.
     """
     for i, shape in enumerate(shapes):
         for j, method in enumerate(methods):
             label = ", ".join([shape.label] * bool(shape.label) + [method] * (len(methods) > 1 or not shape.label))
             colour = PALETTE[(i if len(shapes) > 1 else j) % len(PALETTE)]
-            style = {"label": plain(label), "color": colour, "linestyle": DASHES[j % len(DASHES)]}
+            dashes = DASHES[(j if len(methods) > 1 else i) % len(DASHES)]
+            style = {"label": plain(label), "color": colour, "linestyle": dashes}
             yield dataset.isel(shape.position).sel({"method": method}, drop=True), style
 
 
@@ -71,13 +84,13 @@ def panel_legend(drawn: Any, panels: Any) -> None:
     handles, labels = panels[0].get_legend_handles_labels()
     if len(handles) > 1:
         columns = int(LETTERS_PER_INCH * drawn.get_figwidth() / (max(map(len, labels)) + LETTERS_PER_HANDLE))
-        drawn.legend(handles, labels, loc="outside lower center", ncols=max(1, columns), fontsize=9)
+        drawn.legend(handles, labels, loc="outside lower center", ncols=max(1, columns))
 
 
 def headline(drawn: Any, scene: Scene) -> None:
     """The title of the scene above a figure, in lines as wide as it is."""
     width = int(LETTERS_PER_INCH * drawn.get_figwidth())
-    drawn.suptitle(plain(textwrap.fill(scene.title, width)), fontsize=11)
+    drawn.suptitle(plain(textwrap.fill(scene.title, width)))
 
 
 def draw_points(axes: Any, figure: Figure) -> None:
@@ -93,14 +106,14 @@ def draw_points(axes: Any, figure: Figure) -> None:
 
 
 def plain(text: str) -> str:
-    """A user's text as it stands: a dollar sign starts no formula."""
-    return text.replace("$", r"\$")
+    """A user's text as it stands: a dollar sign starts no formula, and raised digits are powers."""
+    return lowered(text.replace("$", r"\$"))
 
 
 def value_in_words(value: xr.DataArray, label: Label) -> str:
     """A value with the unit that its label asks for, as a legend shows it."""
     shown = written(value if value.dtype.kind in "SUOT" else value * label.factor)
-    return f"{shown}{'' if label.shown_unit in ('', '°') else ' '}{label.shown_unit}"
+    return f"{shown}{'' if label.tex_unit in ('', '°') else ' '}{label.tex_unit}"
 
 
 def evaluated(dataset: xr.Dataset, formula: str, label: Label) -> xr.DataArray:

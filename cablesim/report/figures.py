@@ -1,4 +1,4 @@
-"""Figures of a scene, as its file asks for them. SVG and PNG; curves, maps, orders and audits are drawn here."""
+"""Figures of a scene, as its file asks for them. SVG, PDF and PNG; curves, maps, orders and audits are drawn here."""
 
 import math
 from pathlib import Path
@@ -18,9 +18,12 @@ from cablesim.errors import InputError
 from cablesim.files import written_whole
 from cablesim.labels import Label
 from cablesim.quantities import RUN_TIME, component_names
+from cablesim.report.animations import save_animation
 from cablesim.report.audit import audit_table
 from cablesim.report.drawing import (
     DASHES,
+    NOTE,
+    PAGE,
     PALETTE,
     STYLE,
     ascending,
@@ -44,13 +47,21 @@ from cablesim.report.status_maps import draw_status_map
 MOST_CELLS = 600
 MOST_STEPS = 8
 # Of an audit, in inches: its legend must fit.
-LEAST_WIDTH = 7.5
+LEAST_WIDTH = PAGE
 # A logarithmic axis of fewer decades has numbers between the powers of ten.
 FEW_DECADES = 3.0
 # Of formulas whose values are not joined by lines.
 MARKS = "osD^v"
 # Of cells that agree, that follow from a rounded key, that are off.
 FLAG_COLOURS = ("#E8E8E8", "#E69F00", "#D55E00")
+
+
+# No clock and no random ids in any of them.
+FORMATS: dict[str, dict[str, Any]] = {
+    ".png": {"dpi": 150, "metadata": {"Software": None}},
+    ".svg": {"metadata": {"Date": None}},
+    ".pdf": {"metadata": {"CreationDate": None}},
+}
 
 
 def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
@@ -65,6 +76,7 @@ def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
         "orbit": draw_orbit,
         "work_precision": draw_work_precision,
         "snapshots": draw_snapshots,
+        "animation": draw_snapshots,
         "convergence": _convergence,
         "audit": _audit,
     }
@@ -75,18 +87,26 @@ def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
             except InputError as problem:
                 raise InputError(f"{scene.path}: figures.{figure.name}: {problem}") from None
             headline(drawn, scene)
-            _save(drawn, folder / f"{scene.name}_{figure.name}")
+            stem = folder / f"{scene.name}_{figure.name}"
+            _save(drawn, stem)
+            if figure.kind == "animation":
+                save_animation(drawn, dataset, figure, stem.with_suffix(".gif"))
 
 
 def _save(figure: Any, stem: Path) -> None:
-    for suffix, settings in (
-        (".svg", {"metadata": {"Date": None}}),
-        (".png", {"dpi": 150, "metadata": {"Software": None}}),
-    ):
+    """The figure in each of its formats, of one layout."""
+    for suffix, settings in FORMATS.items():
         path = stem.with_suffix(suffix)
         with written_whole(path) as temporary:
             figure.savefig(temporary, format=suffix[1:], **settings)
+        _keep_layout(figure)
     plt.close(figure)
+
+
+def _keep_layout(figure: Any) -> None:
+    """What is laid out once stays: the same places in all formats, and no work done again."""
+    with plt.rc_context({"figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)
 
 
 def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -107,7 +127,7 @@ def _coloured_curves(axes: Any, dataset: xr.Dataset, figure: Figure) -> None:
     """One curve for each formula, told apart by colour."""
     settings = figure.settings
     for number, (label, formula) in enumerate(settings["y"].items()):
-        style: Any = {"color": PALETTE[number % len(PALETTE)]}
+        style: Any = {"color": PALETTE[number % len(PALETTE)], "linestyle": DASHES[number % len(DASHES)]}
         if settings["draw"] == "marks":
             style |= {"linestyle": "", "marker": MARKS[number % len(MARKS)]}
         axes.plot(*_points(dataset, figure, formula), label=plain(label), **style)
@@ -166,12 +186,12 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     if settings["contours"]:
         levels = [level * figure.label("value").factor for level in settings["contours"]]
         lines = axes.contour(x.values, y.values, shown, levels=levels, colors="white", linewidths=1.2)
-        axes.clabel(lines, fmt="%g", fontsize=8)
+        axes.clabel(lines, fmt="%g", fontsize=NOTE)
     _scales(axes, settings["log"].replace("value", "").strip())
     axes.grid(visible=False)
     note = f"grey: no solution ({missing} of {scenarios})" if missing and "where" not in settings else ""
     axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text)
-    axes.set_title(note, fontsize=9)
+    axes.set_title(note, fontsize=NOTE)
     return drawn
 
 
@@ -221,14 +241,14 @@ def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
             cell["printed"] + exact,
             ha="center",
             va="center",
-            fontsize=7,
+            fontsize=NOTE,
             fontweight="bold" if wrong else "normal",
         )
     palette = ListedColormap(list(shades.values()))
     axes.imshow(np.ma.masked_invalid(colours), aspect="auto", cmap=palette, norm=BoundaryNorm(np.arange(-0.5, 3), 3))
-    axes.set_xticks(range(len(columns)), [word(name) for name in columns], rotation=20, ha="left", fontsize=8)
+    axes.set_xticks(range(len(columns)), [word(name) for name in columns], rotation=20, ha="left", fontsize=NOTE)
     axes.xaxis.tick_top()
-    axes.set_yticks(range(len(rows)), _row_names(table, rows, columns), fontsize=7)
+    axes.set_yticks(range(len(rows)), _row_names(table, rows, columns), fontsize=NOTE)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
     counts = table["flag"].value_counts()

@@ -10,10 +10,10 @@ from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
 from cablesim.errors import InputError
-from cablesim.report.drawing import curves, panel_legend, plain
+from cablesim.report.drawing import PAGE, curves, panel_legend, plain
 
 # Of one panel, in inches.
-WIDTH, HEIGHT = 6.5, 2.1
+HEIGHT = 2.1
 
 
 def draw_history(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -23,11 +23,11 @@ def draw_history(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     _check_window(dataset, settings["from"])
     rows = -(-len(panels) // columns)
     drawn, grid = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    drawn.set_size_inches(WIDTH * max(1.0, 0.6 * columns) + 0.5, HEIGHT * rows + 1.8)
+    drawn.set_size_inches(PAGE, HEIGHT * rows + 1.8)
     used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
     for axes, (title, shapes) in zip(used, panels, strict=True):
         _draw_panel(axes, dataset, shapes, figure)
-        axes.set_title(plain(title), fontsize=10)
+        axes.set_title(plain(title))
     for axes in spare:
         axes.remove()
     for axes in used[-columns:]:
@@ -35,7 +35,7 @@ def draw_history(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         axes.set(xlabel=figure.label("x").text)
     limits = (settings[end] and settings[end] * figure.label("x").factor for end in ("from", "to"))
     used[0].set_xlim(*limits)
-    drawn.supylabel(figure.label("y").text, fontsize=10)
+    drawn.supylabel(figure.label("y").text)
     panel_legend(drawn, used)
     return drawn
 

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
-from cablesim.report.drawing import DASHES, PALETTE, plain
+from cablesim.report.drawing import DASHES, LEGEND, NOTE, PALETTE, plain
 
 JOINT: Any = {"marker": "o", "color": "black", "markerfacecolor": "white", "markersize": 5.5, "linestyle": ""}
 LOWEST: Any = {"marker": "v", "color": "black", "markersize": 7, "linestyle": ""}
@@ -37,7 +37,7 @@ def draw_sections(axes: Any, dataset: xr.Dataset, shapes: list[Shape], figure: F
             _write_ends(axes, line, view, factors)
             units = dict.fromkeys(figure.label(axis).shown_unit for axis in "xy")
             words = f"({lowest[0]:.1f}, {lowest[1]:.2f}) {', '.join(units)}".replace("-", "−")
-            axes.annotate(words, lowest, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=8)
+            axes.annotate(words, lowest, (0, -7), textcoords="offset points", ha="center", va="top", fontsize=NOTE)
 
 
 def section_legend(settings: dict[str, Any]) -> list[Line2D]:
@@ -72,4 +72,4 @@ def _write_ends(axes: Any, line: xr.Dataset, view: list[str], factors: list[floa
     ends = line.profile.sel(component=view).isel(node=[0, -1]).transpose("node", "component").values
     ends = ends * factors
     for letter, end in zip("AB", ends, strict=True):
-        axes.annotate(letter, end, (0, 4), textcoords="offset points", ha="center", fontweight="bold", fontsize=9)
+        axes.annotate(letter, end, (0, 4), textcoords="offset points", ha="center", fontweight="bold", fontsize=LEGEND)

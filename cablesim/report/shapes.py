@@ -9,16 +9,13 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import PALETTE, curves, draw_points, legend
+from cablesim.report.drawing import NOTE, PAGE, PALETTE, curves, draw_points, legend
 from cablesim.report.sections import draw_sections, section_legend
 
-# Width of a panel and least width of all of them, in inches; thinnest side of the box around lines in space, beside the
-# longest.
-PANEL = 3.2
-LEAST_WIDTH = 6.5
+# In inches, of a page's width: what is not panels. Thinnest side of the box around lines in space, beside the longest.
+AROUND = 1.0
 THINNEST = 0.6
-# A panel that is stretched by a factor of its own: its width in inches, and at most how high it is beside that.
-WIDE_PANEL = 4.6
+# A panel that is stretched by a factor of its own: at most how high it is beside its width.
 FLATTEST = 0.3
 STRETCHES = (1.0, 2.0, 5.0)
 LEGEND_COLUMN = 2.4
@@ -35,9 +32,9 @@ def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         _draw_panel(axes, dataset, shapes, figure)
         stretch = settings["stretch"] or _own_stretch(axes)
         axes.set_aspect(stretch, adjustable="box" if shared and len(panels) > 1 else "datalim")
-        axes.set_title(heading, fontsize=10)
+        axes.set_title(heading)
         if not shared:
-            axes.set_title("" if stretch == 1.0 else f"heights × {stretch:g}", fontsize=8, loc="right")
+            axes.set_title("" if stretch == 1.0 else f"heights × {stretch:g}", fontsize=NOTE, loc="right")
     for axes in spare:
         axes.remove()
     _label_panels(drawn, grid, figure)
@@ -55,7 +52,7 @@ def _label_panels(drawn: Any, grid: Any, figure: Figure) -> None:
     for axes in grid.flat[max(0, panels - grid.shape[1]) : panels]:
         axes.set(xlabel=x_label)
     if len(grid) > 1:
-        drawn.supylabel(y_label, fontsize=10)
+        drawn.supylabel(y_label)
     else:
         grid[0][0].set(ylabel=y_label)
 
@@ -73,13 +70,13 @@ def _own_stretch(axes: Any) -> float:
 def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
     """Width and height of a figure of several panels, so that they fill it."""
     rows, columns = grid.shape
+    panel = (PAGE - AROUND) / columns
     if settings["stretch"] is None:
-        return WIDE_PANEL * columns + 1.0, (WIDE_PANEL * FLATTEST + 0.6) * rows + 1.4
+        return PAGE, (panel * FLATTEST + 0.6) * rows + 1.4
     limits = [(axes.get_xlim(), axes.get_ylim()) for axes in grid.flat[: len(settings["panels"])]]
     width = max(right - left for (left, right), _ in limits)
     height = settings["stretch"] * max(top - bottom for _, (bottom, top) in limits)
-    panel = max(PANEL, LEAST_WIDTH / columns)
-    return panel * columns + 1.0, rows * float(np.clip(panel * height / width, 1.0, 5.0)) + 1.6
+    return PAGE, rows * float(np.clip(panel * height / width, 1.0, 5.0)) + 1.6
 
 
 def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], figure: Figure) -> None:
@@ -98,16 +95,16 @@ def _add_legend(drawn: Any, first: Any, settings: dict[str, Any]) -> None:
     if settings["colours"] is not None:
         handles = section_legend(settings)
         columns = int(drawn.get_figwidth() / LEGEND_COLUMN)
-        drawn.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
+        drawn.legend(handles=handles, loc="outside lower center", ncols=columns)
     elif len(settings["panels"]) == 1:
         legend(first)
     else:
-        drawn.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
+        drawn.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4)
 
 
 def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     """The line in space, with its shadow on the floor and the stream as arrows."""
-    drawn = plt.figure(figsize=(7.0, 5.5))
+    drawn = plt.figure(figsize=(PAGE, 5.5))
     axes: Any = drawn.add_subplot(projection="3d", computed_zorder=False)
     shapes = figure.settings["shapes"]
     lines = list(curves(dataset, shapes, figure.settings["methods"]))
@@ -123,7 +120,7 @@ def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text, zlabel=figure.label("z").text)
     axes.set_box_aspect(high - low, zoom=1.1)
     axes.locator_params(nbins=5)
-    drawn.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
+    drawn.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return drawn
 
 
