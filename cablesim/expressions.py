@@ -62,9 +62,11 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 }  # fmt: skip
 CONDITIONS = ("either", "both", "negated", "comparison")
 _TWO_ARGUMENTS = ("min", "max")
+_ANGLES = ("asin", "acos", "atan")
 _COMPARISONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 EQUAL_WITHIN = 1e-9
 BARE = units.BARE
+PLAIN = "1"
 WORDS = "words"
 
 
@@ -125,6 +127,12 @@ class Expression:
         """The value and its unit, which is known only if the formula writes one, or if `checking` is asked for."""
         with np.errstate(all="ignore"):
             return _Evaluation(self, lookup, checking).number(self.tree)
+
+    def unit(self, lookup: Lookup) -> str:
+        """The unit of its value, "1" for a plain number. Raises InputError where units do not fit each other."""
+        with np.errstate(all="ignore"):
+            unit = _UnitEvaluation(self, lookup, checking=True).number(self.tree).unit
+        return PLAIN if unit == BARE else unit
 
     def key(self, lookup: Lookup) -> Term:
         """What scenarios can be ordered by: a value, a label, or whether a condition holds."""
@@ -231,12 +239,15 @@ class _Evaluation:
         if len(arguments) != wanted:
             raise InputError(f"'{self.text}': {name} takes {wanted} argument{'s' * (wanted > 1)}, not {len(arguments)}")
         terms = [self.number(argument) for argument in arguments]
+        return Term(FUNCTIONS[name](*(term.values for term in terms)), self._unit_of_call(name, terms))
+
+    def _unit_of_call(self, name: str, terms: list[Term]) -> str:
         unit = terms[0].unit if name in ("abs", "min", "max") else BARE
         if name == "sqrt" and self.checking:
             unit = units.power(terms[0].unit, 0.5)
         elif unit == BARE and self.checking:
             self._plain(name, terms[0].unit)
-        return Term(FUNCTIONS[name](*(term.values for term in terms)), unit)
+        return unit
 
     def _plain(self, function: str, unit: str) -> None:
         if unit != BARE and not units.compatible(unit, "1"):
@@ -254,8 +265,11 @@ class _Evaluation:
 
     def _product(self, left: "Tree", sign: "Token", right: "Tree") -> Term:
         a, b = self.number(left), self.number(right)
-        unit = units.product(a.unit, b.unit, -1 if sign == "/" else 1) if self.checking else BARE
+        unit = self._unit_of_product(a.unit, b.unit, -1 if sign == "/" else 1)
         return Term(np.divide(a.values, b.values) if sign == "/" else a.values * b.values, unit)
+
+    def _unit_of_product(self, left: str, right: str, power: int) -> str:
+        return units.product(left, right, power) if self.checking else BARE
 
     def _sum(self, left: "Tree", sign: "Token", right: "Tree") -> Term:
         a, b = self.number(left), self.number(right)
@@ -313,6 +327,22 @@ class _Evaluation:
                 f"'{self.text}': a value in {left.unit} cannot be compared with or added to one in {right.unit}"
             )
         return left.unit
+
+
+class _UnitEvaluation(_Evaluation):
+    """The same walk for the unit of a formula: a bare number fits what it is added to, and is plain as a factor."""
+
+    def _unit_of_call(self, name: str, terms: list[Term]) -> str:
+        if name in _TWO_ARGUMENTS:
+            return self._same_unit(*terms)
+        unit = super()._unit_of_call(name, terms)
+        return "rad" if name in _ANGLES else unit
+
+    def _unit_of_product(self, left: str, right: str, power: int) -> str:
+        if left == right == BARE:
+            return BARE
+        first, second = (PLAIN if unit == BARE else unit for unit in (left, right))
+        return super()._unit_of_product(first, second, power)
 
 
 class UnknownName(InputError):

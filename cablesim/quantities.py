@@ -5,6 +5,7 @@ Units are spelled as CF (UDUNITS) wants them. A new solver adds a line for each 
 """
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -43,19 +44,7 @@ class Quantity:
         counted = {"positive": "down"} if self.standard_name == "depth" else {}
         return {"units": self.unit, "long_name": self.meaning, **named, **counted}
 
-    @property
-    def label(self) -> str:
-        """Name, symbol and unit, as a figure axis or a table head shows them."""
-        words = self.name.replace("_", " ")
-        return f"{words} ${self.symbol}$" + ("" if self.unit == "1" else f" [{self.shown_unit}]")
 
-    @property
-    def shown_unit(self) -> str:
-        """The unit with raised powers."""
-        return self.unit.translate(RAISED)
-
-
-RAISED = str.maketrans("-123", "⁻¹²³")
 COMPONENTS = ("x", "y", "z")
 # What is measured of every scenario.
 RUN_TIME = "run_time"
@@ -118,7 +107,6 @@ TABLE = (
     Quantity("strength_length", "k", "m", "permitted stress over weight per volume, less buoyancy if submerged"),
     Quantity("force_ratio", "r", "1", "horizontal force on the line over the force that it was designed for"),
     Quantity("arc_fraction", "s/L", "1", "position along the line: arc length from end A over the length of the line"),
-    Quantity("horizontal_distance", "x_B", "m", "horizontal distance from end A to end B"),
     # parameters of a tow line in waves
     Quantity("hook_pull", "F_r", "N", "pull at the towing hook in calm water"),
     Quantity("breaking_strength", r"P", "N", "tension at which the tow line breaks; half of it is allowed in a jerk"),
@@ -370,7 +358,7 @@ TABLE = (
     ),
     Quantity(
         "frequency_ratio",
-        r"\omega_{\max} / \omega",
+        r"\omega_{\max}/\omega",
         "1",
         "highest angular frequency of the discrete line over that of the waves: how stiff the problem is in time",
     ),
@@ -384,8 +372,8 @@ TABLE = (
     # what every solver can tell of its work
     Quantity("iterations", "n", "1", "iterations taken by the method; 0 for a closed formula"),
     Quantity("run_time", "t", "s", "measured wall time of the solver, per scenario of its shard or of its timed runs"),
-    Quantity("run_time_lowest", "t_{min}", "s", "shortest of the timed runs, per scenario"),
-    Quantity("run_time_highest", "t_{max}", "s", "longest of the timed runs, per scenario"),
+    Quantity("run_time_lowest", r"t_{\min}", "s", "shortest of the timed runs, per scenario"),
+    Quantity("run_time_highest", r"t_{\max}", "s", "longest of the timed runs, per scenario"),
     Quantity("run_time_alone", "t_1", "s", "wall time of one scenario solved alone, median of some"),
     Quantity("first_call_time", "t_0", "s", "wall time of the first call, which loads or compiles its machine code"),
     Quantity("repeats", "n", "1", "timed runs"),
@@ -465,10 +453,16 @@ def _part(row: Quantity, part: str, meaning: str) -> Quantity:
     return replace(
         row,
         name=f"{row.name}_{part}",
-        symbol=f"({row.symbol})_{{{part}}}",
+        symbol=_part_symbol(row.symbol, part),
         meaning=f"{meaning}, {row.meaning}",
         dims=(),
     )
+
+
+def _part_symbol(symbol: str, part: str) -> str:
+    """The symbol of a part: "F_{A,x}" of a vector F_A, which is bold."""
+    letter, _, index = re.sub(r"\\mathbf\{(\w)\}", r"\1", symbol).partition("_")
+    return f"{letter}_{{{index},{part}}}" if index else f"{letter}_{{{part}}}"
 
 
 QUANTITIES = {row.name: row for entry in TABLE for row in _with_components(entry)}

@@ -139,7 +139,7 @@ def summarise(scene: Scene, layout: Layout) -> None:
 
 
 def figures(scene: Scene, layout: Layout) -> None:
-    """Draw the figures of a scene, as SVG and PNG."""
+    """Draw the figures of a scene, as SVG, PDF and PNG; of what moves a GIF, too."""
     from cablesim.database.reading import read_dataset
     from cablesim.report.figures import draw_figures
 

@@ -7,6 +7,7 @@ reaches the unit library.
 
 import math
 import re
+from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
@@ -18,6 +19,10 @@ NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?"
 _UNIT_NAME = r"[A-Za-zµμ°%]{1,20}"
 _POWER = r"(?:\s?(?:\^|\*\*)?-?[0-9])?"
 UNIT = rf"{_UNIT_NAME}{_POWER}(?:(?:\s?[*/·]\s?|\s){_UNIT_NAME}{_POWER}){{0,5}}"
+DIGITS, POWERS = "-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
+RAISED, LOWERED = str.maketrans(DIGITS, POWERS), str.maketrans(POWERS, DIGITS)
+# Units that have a sign.
+SHOWN = {"deg": "°", "degree": "°", "percent": "%"}
 _VALUE = re.compile(rf"\s*({NUMBER})\s*({UNIT})?\s*")
 
 
@@ -93,6 +98,26 @@ def base_unit(unit: str) -> str:
 def compatible(first: str, second: str) -> bool:
     """Whether two units measure the same dimension."""
     return _unit(first).is_compatible_with(_unit(second))
+
+
+def simplest(unit: str, known: Iterable[str]) -> str:
+    """The first of the known units, all of them SI, that is equal to a product of SI units; else its base unit.
+
+    "N/m*m" -> "N". An angle is not a plain number.
+    """
+    same = (one for one in known if compatible(unit, one) and _is_angle(unit) == _is_angle(one))
+    return next(same, None) or base_unit(unit)
+
+
+def shown(unit: str) -> str:
+    """A unit with raised powers: "kN/m" and "kN m-1" are "kN m⁻¹"; nothing for a plain number."""
+    if unit == "1":
+        return ""
+    powers = _powers(unit)
+    named = (
+        f"{SHOWN.get(name, name)}{'' if power == 1 else str(power).translate(RAISED)}" for name, power in powers.items()
+    )
+    return " ".join(named)
 
 
 def dimensions(unit: str) -> dict[str, float]:

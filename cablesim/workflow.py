@@ -16,6 +16,15 @@ from cablesim.sources import code_digest
 from cablesim.steps import CATALOGUE, REPORT, STUDY, sample, timings_path
 from cablesim.study import Layout, read_study
 
+# Where scene files are read, but what axes are called is said.
+LABELS = (
+    "config/axis_labels",
+    "config/figure_file",
+    "config/history_figure",
+    "config/orbit_figure",
+    "config/snapshot_figure",
+    "config/status_figure",
+)
 # The modules that write the files of a step: editing them, or what they import, makes these files out of date.
 STEP_MODULES = {
     "collect": ("database/collect",),
@@ -28,9 +37,9 @@ STEP_MODULES = {
         "report/printed",
         "report/precision",
     ),
-    "figures": ("database/collect", "report/figures"),
+    "figures": ("database/collect", "report/figures", *LABELS),
 }
-STEP_PARTS = ("database", "report", "expressions", "units", "quantities", "status")
+STEP_PARTS = ("database", "report", "expressions", "units", "quantities", "labels", "status")
 
 
 @dataclass(frozen=True)

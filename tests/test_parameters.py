@@ -281,7 +281,7 @@ def test_a_mistyped_name_is_not_answered_with_every_section(joined_line):
 
 def test_a_section_of_a_list_is_a_quantity():
     row = quantity("section_length_12")
-    assert (row.unit, row.dims, row.symbol) == ("m", (), r"(\ell)_{12}")
+    assert (row.unit, row.dims, row.symbol) == ("m", (), r"\ell_{12}")
     assert row.meaning == "section 12 of section_length, length of each section, from A to B"
     assert component_names("joint_tension", 2) == ("joint_tension_1", "joint_tension_2")
     assert component_names("section_length")[-1] == f"section_length_{MOST_SECTIONS}"

@@ -231,9 +231,9 @@ def test_the_joints_and_the_lowest_point_are_marked(tmp_path):
 def test_the_legend_names_sections_and_their_weights(tmp_path):
     figure, _ = drawn(tmp_path)
     assert legend(figure) == [
-        "section 1, 80 N/m",
-        "section 2, 600 N/m",
-        "section 3, 80 N/m",
+        "section 1, 80 N m$^{-1}$",
+        "section 2, 600 N m$^{-1}$",
+        "section 3, 80 N m$^{-1}$",
         "joint",
         "lowest point",
     ]
@@ -243,12 +243,12 @@ def test_sections_of_one_weight_may_share_a_colour(tmp_path):
     figure, _ = drawn(tmp_path, colour="weight", names=["wire", "chain"])
     wire, chain = (colour.lower() for colour in PALETTE[:2])
     assert [to_hex(line.get_color()) for line in strokes(figure.axes[1])] == [wire, chain, wire]
-    assert legend(figure)[:2] == ["wire, 80 N/m", "chain, 600 N/m"]
+    assert legend(figure)[:2] == ["wire, 80 N m$^{-1}$", "chain, 600 N m$^{-1}$"]
 
 
 def test_curves_of_one_panel_are_told_apart_by_dashes(tmp_path):
     figure, _ = drawn(tmp_path, at={"scenario": [0]}, each={"scenario": [0]})
-    assert legend(figure) == ["section 1, 80 N/m", "section 2, 600 N/m", "joint", "lowest point"]
+    assert legend(figure) == ["section 1, 80 N m$^{-1}$", "section 2, 600 N m$^{-1}$", "joint", "lowest point"]
     tensions = {**LINE, "design": {"grid": {"horizontal_tension": ["5 kN", "10 kN"]}}}
     tensions["fixed"] = {"section_length": ["40 m", "5 m"], "section_weight": [80, 600]}
     figure, _ = drawn(tmp_path, tensions, at={"horizontal_tension": ["5 kN"]}, titles=["one"])
@@ -264,16 +264,16 @@ def test_curves_of_one_panel_are_told_apart_by_dashes(tmp_path):
 
 def test_a_stretched_axis_says_so(tmp_path):
     figure, _ = drawn(tmp_path, stretch=3)
-    assert figure.get_supylabel() == "z [m], drawn × 3"
+    assert figure.get_supylabel() == "height $z$ [m], drawn × 3"
     assert [axes.get_aspect() for axes in figure.axes] == [3.0, 3.0]
     figure, _ = drawn(tmp_path)
-    assert figure.get_supylabel() == "z [m]"
+    assert figure.get_supylabel() == "height $z$ [m]"
     assert [axes.get_aspect() for axes in figure.axes] == [1.0, 1.0]
 
 
 def test_a_panel_may_be_stretched_by_a_factor_of_its_own_which_stands_above_it(tmp_path):
     figure, _ = drawn(tmp_path, stretch="auto")
-    assert figure.get_supylabel() == "z [m]"
+    assert figure.get_supylabel() == "height $z$ [m]"
     for axes in figure.axes:
         stretch, box = axes.get_aspect(), axes.dataLim
         assert axes.get_title(loc="right") == ("" if stretch == 1.0 else f"heights × {stretch:g}")

@@ -6,7 +6,7 @@ import pytest
 
 from cablesim import units
 from cablesim.errors import InputError
-from cablesim.quantities import quantity
+from cablesim.labels import quantity_label
 
 
 @pytest.mark.parametrize(
@@ -63,4 +63,4 @@ def test_anything_else_is_refused(value, unit, complaint):
     ("name", "shown"), [("stream_speed", "m s⁻¹"), ("normal_drag", "kg m⁻²"), ("area", "m²"), ("depth", "m")]
 )
 def test_powers_are_raised_where_a_unit_is_shown(name, shown):
-    assert quantity(name).label.endswith(f" [{shown}]")
+    assert quantity_label(name).plain.endswith(f" [{shown}]")

@@ -4,6 +4,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from cablesim.config.axis_labels import (
+    error_label,
+    formula_label,
+    label_keys,
+    output_label,
+    parameter_label,
+    read_labels,
+    side_label,
+)
 from cablesim.config.document import Node
 from cablesim.config.figure_parts import (
     Stage,
@@ -14,7 +23,6 @@ from cablesim.config.figure_parts import (
     read_number,
     read_panels,
     read_shapes,
-    read_texts,
     read_view,
 )
 from cablesim.config.history_figure import read_history
@@ -25,9 +33,9 @@ from cablesim.config.section_colours import read_colours
 from cablesim.config.snapshot_figure import read_snapshots
 from cablesim.config.status_figure import read_status_map
 from cablesim.config.table import Table, read_table
-from cablesim.quantities import SHORT, quantity
+from cablesim.labels import Label
+from cablesim.quantities import COMPONENTS, RUN_TIME, SHORT, quantity
 
-RUN_TIME = "run_time"
 AUTOMATIC = "auto"
 
 
@@ -38,6 +46,11 @@ class Figure:
     name: str
     kind: str
     settings: dict[str, Any]
+
+    def label(self, axis: str) -> Label:
+        """What stands beside an axis: x, y, in space z, or the value that colours of a map show."""
+        labels: dict[str, Label] = self.settings["labels"]
+        return labels[axis]
 
 
 @dataclass(frozen=True)
@@ -60,6 +73,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
         "history": read_history,
         "orbit": read_orbit,
         "snapshots": read_snapshots,
+        "animation": read_snapshots,
         "convergence": _read_convergence,
         "audit": _read_audit,
         "work_precision": _read_work_precision,
@@ -72,7 +86,7 @@ def read_figures(node: Node, stage: Stage) -> tuple[Figure, ...]:
 
 
 def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
-    look = ("points", "log", "draw", "x_label", "y_label", "each_label")
+    look = ("points", "log", "draw", *label_keys("x", "y", "each"))
     keys = node.mapping(("kind", "x", "y"), ("where", "point", "each", *look))
     lines = keys["y"].mapping(optional=None) if isinstance(keys["y"].value, dict) else {"": keys["y"]}
     if not lines:
@@ -90,33 +104,41 @@ def _read_curves(node: Node, stage: Stage) -> dict[str, Any]:
             entry.fail(
                 f"a curve varies along one axis, not {' and '.join(along) or 'none'}: choose with each, or a method"
             )
+    labels = {
+        "x": formula_label([keys["x"]], stage.names),
+        "y": formula_label(list(lines.values()), stage.names),
+        **({"each": parameter_label(each)} if each else {}),
+    }
     return {
         "x": x,
         "y": formulas,
         "each": each,
         "position": position,
-        "points": _read_points(keys["points"], stage) if "points" in keys else None,
+        "labels": read_labels(keys, labels),
+        "points": _read_points(keys["points"], stage, labels) if "points" in keys else None,
         "log": keys["log"].choice(("x", "y", "xy")) if "log" in keys else "",
         "draw": keys["draw"].choice(("lines", "marks")) if "draw" in keys else "lines",
-        **read_texts(keys, ("x_label", "y_label", "each_label")),
         **_where(keys, stage),
     }
 
 
-def _read_points(node: Node, stage: Stage) -> Points:
-    """Printed points: from a table of their own, else from the one that the scene is audited or measured against."""
+def _read_points(node: Node, stage: Stage, labels: dict[str, Label]) -> Points:
+    """Printed points: from a table of their own, else from the one that the scene is audited or measured against.
+
+    They are in the SI units of the axes, as everything is.
+    """
     entries = node.mapping(("x",), None)
     table = read_table(entries.pop("table")) if "table" in entries else stage.points
     if table is None:
         node.fail("points need a table: here, or as the published or the reference table of the scene")
     formulas = {name: entry.formula() for name, entry in entries.items()}
-    for formula in formulas.values():
-        node.located(table.evaluate, formula)
+    for name, formula in formulas.items():
+        node.located(table.evaluate, formula, labels["x" if name == "x" else "y"].unit)
     return Points(table, formulas.pop("x"), formulas)
 
 
 def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
-    look = ("log", "label", "x_label", "y_label", "contours")
+    look = ("log", "contours", *label_keys("x", "y", "value"))
     keys = node.mapping(("kind", "x", "y", "value"), ("where", "point", *look))
     settings: dict[str, Any] = {"position": fixed_axes(keys, stage.names)}
     along = {}
@@ -129,18 +151,19 @@ def _read_map(node: Node, stage: Stage) -> dict[str, Any]:
         keys["value"].fail(f"the value also varies along {others[0]}: choose one, as in method.output")
     logs = ("x", "y", "xy", "value", "x value", "y value", "xy value")
     log = keys["log"].choice(logs) if "log" in keys else ""
+    labels = {name: formula_label([keys[name]], stage.names) for name in ("x", "y", "value")}
     return {
         **settings,
         "log": log,
-        "contours": _read_contours(keys["contours"]) if "contours" in keys else (),
-        **read_texts(keys, ("label", "x_label", "y_label")),
+        "labels": read_labels(keys, labels),
+        "contours": _read_contours(keys["contours"], labels["value"].unit) if "contours" in keys else (),
         **_where(keys, stage),
     }
 
 
-def _read_contours(node: Node) -> tuple[float, ...]:
-    """Values that lines are drawn at, in ascending order."""
-    values = tuple(entry.number("1") for entry in node.sequence())
+def _read_contours(node: Node, unit: str) -> tuple[float, ...]:
+    """Values that lines are drawn at, in SI and in ascending order."""
+    values = tuple(entry.number(unit) for entry in node.sequence())
     if any(after <= before for before, after in pairwise(values)):
         node.fail("values in ascending order are expected")
     return values
@@ -148,20 +171,22 @@ def _read_contours(node: Node) -> tuple[float, ...]:
 
 def _read_profiles(node: Node, stage: Stage) -> dict[str, Any]:
     """Panels, one for each value of `at`; in each a curve for each value of `each` and for each method."""
-    look = ("view", "points", "x_label", "y_label", "titles", "across", "stretch", "colour", "names")
+    look = ("view", "points", "titles", "across", "stretch", "colour", "names", *label_keys("x", "y"))
     keys = node.mapping(("kind",), ("at", "each", "point", "methods", *look))
     _check_profiles(node, stage)
     panels, methods = read_panels(node, keys, stage), read_methods(keys, stage)
     positions = [shape.position for panel in panels for shape in panel.shapes]
+    view = read_view(keys)
+    labels = {axis: side_label("profile", side) for axis, side in zip("xy", view, strict=True)}
     return {
         "panels": panels,
         "across": read_across(keys, len(panels)),
         "methods": methods,
-        "view": read_view(keys),
+        "view": view,
+        "labels": read_labels(keys, labels),
         "stretch": _read_stretch(keys["stretch"]) if "stretch" in keys else 1.0,
         "colours": read_colours(keys, stage.names, positions, len(panels[0].shapes) * len(methods)),
-        "points": _read_points(keys["points"], stage) if "points" in keys else None,
-        **read_texts(keys, ("x_label", "y_label")),
+        "points": _read_points(keys["points"], stage, labels) if "points" in keys else None,
     }
 
 
@@ -182,23 +207,25 @@ def _read_stretch(node: Node) -> float | None:
 def _read_spatial(node: Node, stage: Stage) -> dict[str, Any]:
     keys = node.mapping(("kind",), ("each", "point", "methods"))
     _check_profiles(node, stage)
-    return {"shapes": read_shapes(node, keys, None, stage), "methods": read_methods(keys, stage)}
+    return {
+        "shapes": read_shapes(node, keys, None, stage),
+        "methods": read_methods(keys, stage),
+        "labels": {side: side_label("profile", side) for side in COMPONENTS},
+    }
 
 
 def _read_convergence(node: Node, stage: Stage) -> dict[str, Any]:
     """The error of an output, against the option that methods of the scene differ in, or against their run time."""
-    keys = node.mapping(("kind", "output", "against"), ("x_label", "y_label"))
+    keys = node.mapping(("kind", "output", "against"), label_keys("x", "y"))
     if stage.reference is None:
         node.fail("an error needs a method as the scene's reference")
     outputs = tuple(name for name in stage.names.outputs if quantity(name).dims in SHORT)
     options = tuple(dict.fromkeys(series.option for series in find_series(stage.methods, stage.reference)))
     if not options:
         node.fail("three methods or more that differ in one numerical option alone are needed")
-    return {
-        "output": keys["output"].choice(outputs),
-        "against": keys["against"].choice((*options, RUN_TIME)),
-        **read_texts(keys, ("x_label", "y_label")),
-    }
+    output, against = keys["output"].choice(outputs), keys["against"].choice((*options, RUN_TIME))
+    labels = {"x": parameter_label(against), "y": error_label(output)}
+    return {"output": output, "against": against, "labels": read_labels(keys, labels)}
 
 
 def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:
@@ -211,10 +238,13 @@ def _read_audit(node: Node, stage: Stage) -> dict[str, Any]:
 def _read_work_precision(node: Node, stage: Stage) -> dict[str, Any]:
     """Methods that differ in one option alone are joined; where they make a net, `join` says along which option."""
     keys = node.mapping(("kind",), ("join",))
-    if not stage.timed:
+    if stage.timed is None:
         node.fail("a figure of error against run time needs the scene's work_precision")
     options = tuple(dict.fromkeys(series.option for series in find_series(stage.methods, stage.reference)))
-    return {"join": keys["join"].choice(options) if "join" in keys else None}
+    return {
+        "join": keys["join"].choice(options) if "join" in keys else None,
+        "labels": {"x": output_label("run time a scenario", RUN_TIME), "y": error_label(stage.timed)},
+    }
 
 
 def _where(keys: dict[str, Node], stage: Stage) -> dict[str, str]:

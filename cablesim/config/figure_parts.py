@@ -23,14 +23,14 @@ class Shape:
 
 @dataclass(frozen=True)
 class Stage:
-    """What figures are checked against: names, methods, reference, printed points; is it audited, is it timed."""
+    """What figures are checked against: names, methods, reference, points; is it audited; the output that is timed."""
 
     names: Rehearsal
     methods: tuple[Method, ...]
     reference: str | None
     points: Table | None
     audited: bool
-    timed: bool
+    timed: str | None
 
 
 class Panel(NamedTuple):
@@ -93,11 +93,6 @@ def check_sides(keys: dict[str, Node], along: dict[str, set[str]]) -> None:
             keys[name].fail("a side of a map varies along one axis")
     if len(along) == 2 and along["x"] == along["y"]:
         keys["y"].fail(f"both sides of the map vary along {min(along['x'])}")
-
-
-def read_texts(keys: dict[str, Node], names: tuple[str, ...]) -> dict[str, str]:
-    """Lines of text by key, of those that are given."""
-    return {name: keys[name].text() for name in names if name in keys}
 
 
 def check_stored(node: Node, stage: Stage, kind: str, outputs: tuple[str, ...]) -> None:

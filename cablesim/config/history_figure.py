@@ -2,23 +2,26 @@
 
 from typing import Any
 
+from cablesim.config.axis_labels import label_keys, output_label, read_labels
 from cablesim.config.document import Node
-from cablesim.config.figure_parts import Stage, check_stored, read_across, read_methods, read_panels, read_texts
+from cablesim.config.figure_parts import Stage, check_stored, read_across, read_methods, read_panels
 from cablesim.quantities import PLACES
 
 
 def read_history(node: Node, stage: Stage) -> dict[str, Any]:
     """Panels, one for each value of `at`; in each a curve for each value of `each` and for each method."""
-    look = ("place", "from", "to", "titles", "across", "x_label", "y_label")
+    look = ("place", "from", "to", "titles", "across", *label_keys("x", "y"))
     keys = node.mapping(("kind",), ("at", "each", "point", "methods", *look))
     check_stored(node, stage, "histories", ("history", "history_time"))
+    where = keys["place"].choice(PLACES) if "place" in keys else PLACES[-1]
+    labels = {"x": output_label("time", "history_time"), "y": output_label(f"tension at the {where}", "history", "kN")}
     return {
         "panels": read_panels(node, keys, stage),
         "across": read_across(keys, 1),
         "methods": read_methods(keys, stage),
-        "place": keys["place"].choice(PLACES) if "place" in keys else PLACES[-1],
+        "place": where,
+        "labels": read_labels(keys, labels),
         **_read_times(keys),
-        **read_texts(keys, ("x_label", "y_label")),
     }
 
 

@@ -7,18 +7,33 @@ dimensions of a formula can be read off the shape of its value. Nothing is solve
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
+from cablesim import units
 from cablesim.config.table import Table
 from cablesim.design import SCENARIO, Design
 from cablesim.errors import InputError, nearest
 from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
 from cablesim.parameters import ParameterSpec
-from cablesim.quantities import LIST, OWN_DIMS, RUN_TIME, component_names, is_list, list_name, most_sections, quantity
+from cablesim.quantities import (
+    LIST,
+    OWN_DIMS,
+    RUN_TIME,
+    TABLE,
+    component_names,
+    is_list,
+    list_name,
+    most_sections,
+    quantity,
+)
 from cablesim.status import Status, Verdict
 
 METHOD = "method"
+# Units that formulas are told in, the simplest first.
+KNOWN_UNITS = tuple(dict.fromkeys(row.unit for row in TABLE))
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -40,6 +55,11 @@ class Rehearsal:
     def number(self, formula: str) -> set[str]:
         """The dimensions along which a formula varies. Raises InputError for an unknown name or a wrong unit."""
         return self._varies(self._answered(lambda: parse(formula).evaluate(self.lookup)))
+
+    def unit(self, formula: str) -> str:
+        """The SI unit of a formula, "1" for a plain number. Raises InputError as `number` does."""
+        unit = self._answered(lambda: parse(formula).unit(self.lookup))
+        return unit if unit in KNOWN_UNITS else units.simplest(unit, KNOWN_UNITS)
 
     def condition(self, text: str) -> set[str]:
         """The dimensions along which a condition varies. Raises InputError as `number` does."""
@@ -134,7 +154,7 @@ class Rehearsal:
         shape = np.shape(value)
         return {dim for dim, size in zip(self._dims, shape, strict=True) if size > 1} if shape else set()
 
-    def _answered(self, answer: Callable[[], np.ndarray]) -> np.ndarray:
+    def _answered(self, answer: Callable[[], T]) -> T:
         try:
             return answer()
         except UnknownName as unknown:

@@ -122,9 +122,8 @@ def read_scene(path: Path) -> Scene:
     published = _read_published(keys["published"], names) if "published" in keys else None
     precision = _read_precision(keys["work_precision"], names, reference) if "work_precision" in keys else None
     points = published.table if published else reference.table if reference else None
-    stage = Stage(
-        names, methods, reference.method if reference else None, points, published is not None, precision is not None
-    )
+    timed = precision.output if precision else None
+    stage = Stage(names, methods, reference.method if reference else None, points, published is not None, timed)
     figures = read_figures(keys["figures"], stage) if "figures" in keys else ()
     printed = read_printed_tables(keys["tables"], names) if "tables" in keys else ()
     used = [

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cablesim import units
 from cablesim.config.document import Node
 from cablesim.config.rehearsal import Rehearsal
 from cablesim.numerics import Array
-from cablesim.quantities import component_names
+from cablesim.quantities import component_names, quantity
 
 # What sections are drawn from: the one a node is in, where they meet, where the line is lowest.
 SECTION_OUTPUTS = ("profile_section", "joint_position", "lowest_point")
@@ -78,4 +79,5 @@ def _weights(names: Rehearsal, position: dict[str, int]) -> list[float]:
 
 def _range(weights: Array) -> str:
     low, high = (f"{value:.4g}" for value in (np.nanmin(weights), np.nanmax(weights)))
-    return f"{low} N/m" if low == high else f"{low} to {high} N/m"
+    unit = units.shown(quantity("section_weight").unit)
+    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"

@@ -1,26 +1,29 @@
-"""Figures of kind `snapshots`: the line at some phases of a period, coloured by its tension."""
+"""Figures of kind `snapshots` and `animation`: the line through a period, coloured by its tension."""
 
 from typing import Any
 
+from cablesim.config.axis_labels import label_keys, output_label, read_labels, side_label
 from cablesim.config.document import Node
-from cablesim.config.figure_parts import Stage, check_stored, read_across, read_panels, read_texts, read_view
+from cablesim.config.figure_parts import Stage, check_stored, read_across, read_panels, read_view
 
 OUTPUTS = ("snapshots", "snapshot_tension", "profile")
 
 
 def read_snapshots(node: Node, stage: Stage) -> dict[str, Any]:
     """Panels, one for each value of `at`, each of one scenario and one method."""
-    look = ("view", "magnify", "titles", "across", "x_label", "y_label")
+    look = ("view", "magnify", "titles", "across", *label_keys("x", "y", "value"))
     keys = node.mapping(("kind",), ("at", "point", "method", *look))
     check_stored(node, stage, "snapshots", OUTPUTS)
-    panels = read_panels(node, keys, stage)
+    panels, view = read_panels(node, keys, stage), read_view(keys)
+    labels = {axis: side_label("snapshots", side) for axis, side in zip("xy", view, strict=True)}
+    labels["value"] = output_label("tension", "snapshot_tension", "kN")
     return {
         "panels": panels,
         "across": read_across(keys, len(panels)),
         "method": _read_method(node, keys, stage),
-        "view": read_view(keys),
+        "view": view,
+        "labels": read_labels(keys, labels),
         "magnify": _read_magnify(keys["magnify"]) if "magnify" in keys else 1.0,
-        **read_texts(keys, ("x_label", "y_label")),
     }
 
 

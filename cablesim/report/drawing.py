@@ -1,6 +1,5 @@
 """What all figures share: their style and colours, legends, printed points, and words as they stand."""
 
-import math
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,20 +9,23 @@ import matplotlib
 import numpy as np
 import xarray as xr
 
-from cablesim.config.figure_file import Points
+from cablesim.config.figure_file import Figure, Points
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.database.reading import written
+from cablesim.database.reading import evaluate, written
 from cablesim.errors import InputError
-from cablesim.quantities import QUANTITIES
+from cablesim.labels import Label, lowered
 
 matplotlib.use("Agg")
 
 # Okabe and Ito's palette: distinct for every kind of colour vision.
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
 DASHES = ("-", "--", "-.", ":")
+# In inches: a page of a journal is 178 mm wide. In points: text, titles of panels and labels; legends; notes.
+PAGE = 7.0
+TEXT, LEGEND, NOTE = 10, 9, 8
 STYLE: Any = {
-    "figure.figsize": (7.0, 4.5),
+    "figure.figsize": (PAGE, 4.5),
     "figure.constrained_layout.use": True,
     "axes.grid": True,
     "grid.alpha": 0.3,
@@ -31,22 +33,30 @@ STYLE: Any = {
     "axes.spines.right": False,
     "axes.axisbelow": True,
     "legend.frameon": False,
-    "font.size": 10,
+    # Letters of a journal, with symbols in the same; what they lack is taken from the other.
+    "font.family": ["STIXGeneral", "DejaVu Sans"],
+    "mathtext.fontset": "stix",
+    "font.size": TEXT,
+    "axes.titlesize": TEXT,
+    "figure.titlesize": TEXT + 1,
+    "figure.labelsize": TEXT,
+    "legend.fontsize": LEGEND,
     # The same figure must be the same bytes: no random ids, no clock.
     "svg.hashsalt": "cablesim",
     "svg.fonttype": "path",
+    # Letters that can be searched and edited: TrueType fonts, embedded.
+    "pdf.fonttype": 42,
 }
 MOST_LEGEND_LINES = 8
-LETTERS_PER_INCH = 11
+LETTERS_PER_INCH = 13
 LETTERS_PER_HANDLE = 10
-NEWTONS_PER_KILONEWTON = 1e3
 
 
 def legend(axes: Any) -> None:
     """A legend where there is something to tell apart, beside the axes where it is long."""
     lines = len(axes.get_legend_handles_labels()[0])
     if lines > MOST_LEGEND_LINES:
-        axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
+        axes.legend(fontsize=NOTE, loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif lines > 1:
         axes.legend()
 
@@ -67,14 +77,14 @@ class Styled:
 
 
 def styled(shapes: list[Shape], methods: tuple[str, ...]) -> list[Styled]:
-    """The curves of a panel. Scenarios differ in colour, methods in dashes, and in colour where that is free."""
+    """Curves of a panel: scenarios differ in colour, methods in dashes; where there is but one of either, in both."""
     return [
         Styled(
             shape,
             method,
             ", ".join([shape.label] * bool(shape.label) + [method] * (len(methods) > 1 or not shape.label)),
             (i if len(shapes) > 1 else j) % len(PALETTE),
-            j % len(DASHES),
+            (j if len(methods) > 1 else i) % len(DASHES),
         )
         for i, shape in enumerate(shapes)
         for j, method in enumerate(methods)
@@ -98,36 +108,42 @@ def panel_legend(drawn: Any, panels: Any) -> None:
     handles, labels = panels[0].get_legend_handles_labels()
     if len(handles) > 1:
         columns = int(LETTERS_PER_INCH * drawn.get_figwidth() / (max(map(len, labels)) + LETTERS_PER_HANDLE))
-        drawn.legend(handles, labels, loc="outside lower center", ncols=max(1, columns), fontsize=9)
+        drawn.legend(handles, labels, loc="outside lower center", ncols=max(1, columns))
 
 
 def headline(drawn: Any, scene: Scene) -> None:
     """The title of the scene above a figure, in lines as wide as it is."""
     width = int(LETTERS_PER_INCH * drawn.get_figwidth())
-    drawn.suptitle(plain(textwrap.fill(scene.title, width)), fontsize=11)
+    drawn.suptitle(plain(textwrap.fill(scene.title, width)))
 
 
-def draw_points(axes: Any, points: Points | None) -> None:
+def draw_points(axes: Any, figure: Figure) -> None:
     """Points of a printed table, hollow, beside the curves that they belong to."""
+    points: Points | None = figure.settings["points"]
     if points is None:
         return
-    x = points.table.evaluate(points.x)
+    x = points.table.evaluate(points.x) * figure.label("x").factor
     for number, (label, formula) in enumerate(points.y.items()):
         colour = PALETTE[number % len(PALETTE)]
-        axes.plot(x, points.table.evaluate(formula), "o", color=colour, markerfacecolor="white", label=plain(label))
+        y = points.table.evaluate(formula) * figure.label("y").factor
+        axes.plot(x, y, "o", color=colour, markerfacecolor="white", label=plain(label))
 
 
 def plain(text: str) -> str:
-    """A user's text as it stands: a dollar sign starts no formula."""
-    return text.replace("$", r"\$")
+    """A user's text as it stands: a dollar sign starts no formula, and raised digits are powers."""
+    return lowered(text.replace("$", r"\$"))
 
 
-def value_in_words(value: xr.DataArray) -> str:
-    """A value of a coordinate with its unit, as a legend shows it: angles in degrees."""
-    row = QUANTITIES.get(str(value.name))
-    if row is None or row.unit == "1":
-        return written(value)
-    return f"{math.degrees(value.item()):.6g}°" if row.unit == "rad" else f"{written(value)} {row.shown_unit}"
+def value_in_words(value: xr.DataArray, label: Label) -> str:
+    """A value with the unit that its label asks for, as a legend shows it."""
+    shown = written(value if value.dtype.kind in "SUOT" else value * label.factor)
+    return f"{shown}{'' if label.tex_unit in ('', '°') else ' '}{label.tex_unit}"
+
+
+def evaluated(dataset: xr.Dataset, formula: str, label: Label) -> xr.DataArray:
+    """The values of a formula in the unit of its axis."""
+    values = evaluate(dataset, formula)
+    return values if label.factor == 1.0 else values * label.factor
 
 
 def ascending(x: xr.DataArray, y: xr.DataArray, value: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
@@ -148,11 +164,6 @@ def cell_edges(values: np.ndarray, is_logarithmic: bool) -> np.ndarray:
     half = 0.5 * np.diff(places) if places.size > 1 else np.array([0.5])
     edges = np.concatenate([[places[0] - half[0]], places[:-1] + half, [places[-1] + half[-1]]])
     return np.exp(edges) if is_logarithmic else edges
-
-
-def formula_label(formula: str) -> str:
-    """The label of a quantity where a formula is just its name; else the formula itself."""
-    return QUANTITIES[formula].label if formula in QUANTITIES else plain(formula.replace("_", " "))
 
 
 def word(name: str) -> str:

@@ -1,4 +1,4 @@
-"""Figures of a scene, as its file asks for them. SVG and PNG; curves, maps, orders and audits are drawn here."""
+"""Figures of a scene, as its file asks for them. SVG, PDF and PNG; curves, maps, orders and audits are drawn here."""
 
 import math
 from pathlib import Path
@@ -11,21 +11,25 @@ import xarray as xr
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from cablesim.config.figure_file import RUN_TIME, Figure
+from cablesim.config.figure_file import Figure
 from cablesim.config.scene import AGREES, MISPRINT, ROUNDED_KEY, Scene
-from cablesim.database.reading import evaluate, of_only_method, select
+from cablesim.database.reading import of_only_method, select
 from cablesim.errors import InputError
 from cablesim.files import written_whole
-from cablesim.quantities import QUANTITIES, component_names
+from cablesim.labels import Label
+from cablesim.quantities import RUN_TIME, component_names
+from cablesim.report.animations import save_animation
 from cablesim.report.audit import audit_table
 from cablesim.report.drawing import (
     DASHES,
+    NOTE,
+    PAGE,
     PALETTE,
     STYLE,
     ascending,
     cell_edges,
     draw_points,
-    formula_label,
+    evaluated,
     headline,
     legend,
     plain,
@@ -43,13 +47,21 @@ from cablesim.report.status_maps import draw_status_map
 MOST_CELLS = 600
 MOST_STEPS = 8
 # Of an audit, in inches: its legend must fit.
-LEAST_WIDTH = 7.5
+LEAST_WIDTH = PAGE
 # A logarithmic axis of fewer decades has numbers between the powers of ten.
 FEW_DECADES = 3.0
 # Of formulas whose values are not joined by lines.
 MARKS = "osD^v"
 # Of cells that agree, that follow from a rounded key, that are off.
 FLAG_COLOURS = ("#E8E8E8", "#E69F00", "#D55E00")
+
+
+# No clock and no random ids in any of them.
+FORMATS: dict[str, dict[str, Any]] = {
+    ".png": {"dpi": 150, "metadata": {"Software": None}},
+    ".svg": {"metadata": {"Date": None}},
+    ".pdf": {"metadata": {"CreationDate": None}},
+}
 
 
 def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
@@ -64,6 +76,7 @@ def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
         "orbit": draw_orbit,
         "work_precision": draw_work_precision,
         "snapshots": draw_snapshots,
+        "animation": draw_snapshots,
         "convergence": _convergence,
         "audit": _audit,
     }
@@ -74,18 +87,26 @@ def draw_figures(scene: Scene, dataset: xr.Dataset, folder: Path) -> None:
             except InputError as problem:
                 raise InputError(f"{scene.path}: figures.{figure.name}: {problem}") from None
             headline(drawn, scene)
-            _save(drawn, folder / f"{scene.name}_{figure.name}")
+            stem = folder / f"{scene.name}_{figure.name}"
+            _save(drawn, stem)
+            if figure.kind == "animation":
+                save_animation(drawn, dataset, figure, stem.with_suffix(".gif"))
 
 
 def _save(figure: Any, stem: Path) -> None:
-    for suffix, settings in (
-        (".svg", {"metadata": {"Date": None}}),
-        (".png", {"dpi": 150, "metadata": {"Software": None}}),
-    ):
+    """The figure in each of its formats, of one layout."""
+    for suffix, settings in FORMATS.items():
         path = stem.with_suffix(suffix)
         with written_whole(path) as temporary:
             figure.savefig(temporary, format=suffix[1:], **settings)
+        _keep_layout(figure)
     plt.close(figure)
+
+
+def _keep_layout(figure: Any) -> None:
+    """What is laid out once stays: the same places in all formats, and no work done again."""
+    with plt.rc_context({"figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)
 
 
 def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -94,64 +115,58 @@ def _curves(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     chosen = chosen.where(select(chosen, settings["where"])) if "where" in settings else chosen
     drawn, axes = plt.subplots()
     draw = _shaded_curves if settings["each"] else _coloured_curves
-    draw(axes, chosen, settings)
-    draw_points(axes, settings["points"])
+    draw(axes, chosen, figure)
+    draw_points(axes, figure)
     _scales(axes, settings["log"])
-    formulas = list(settings["y"].values())
-    axes.set(
-        xlabel=plain(settings["x_label"]) if "x_label" in settings else formula_label(settings["x"]),
-        ylabel=plain(settings["y_label"])
-        if "y_label" in settings
-        else formula_label(formulas[0])
-        if len(formulas) == 1
-        else "",
-    )
+    axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text)
     legend(axes)
     return drawn
 
 
-def _coloured_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
+def _coloured_curves(axes: Any, dataset: xr.Dataset, figure: Figure) -> None:
     """One curve for each formula, told apart by colour."""
+    settings = figure.settings
     for number, (label, formula) in enumerate(settings["y"].items()):
-        style: Any = {"color": PALETTE[number % len(PALETTE)]}
+        style: Any = {"color": PALETTE[number % len(PALETTE)], "linestyle": DASHES[number % len(DASHES)]}
         if settings["draw"] == "marks":
             style |= {"linestyle": "", "marker": MARKS[number % len(MARKS)]}
-        axes.plot(*_points(dataset, settings["x"], formula), label=plain(label), **style)
+        axes.plot(*_points(dataset, figure, formula), label=plain(label), **style)
 
 
-def _shaded_curves(axes: Any, dataset: xr.Dataset, settings: dict[str, Any]) -> None:
+def _shaded_curves(axes: Any, dataset: xr.Dataset, figure: Figure) -> None:
     """A curve for each point of an axis, told apart by shade; formulas by dashes."""
+    settings, called = figure.settings, figure.label("each")
     name = settings["each"]
-    called = plain(settings.get("each_label", word(name)))
     shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[name]))
     for number, (label, formula) in enumerate(settings["y"].items()):
         dashes = DASHES[number % len(DASHES)]
         for i, shade in enumerate(shades):
             part = dataset.isel({name: i})
-            value = f"{called} = {_point(part, name)}" if number == 0 else None
-            axes.plot(*_points(part, settings["x"], formula), label=value, color=shade, linestyle=dashes)
+            value = f"{called.words} = {_point(part, name, called)}" if number == 0 else None
+            axes.plot(*_points(part, figure, formula), label=value, color=shade, linestyle=dashes)
         if len(settings["y"]) > 1:
             axes.plot([], [], label=plain(label), color="black", linestyle=dashes)
 
 
-def _point(part: xr.Dataset, axis: str) -> str:
+def _point(part: xr.Dataset, axis: str, label: Label) -> str:
     """A point of an axis in words: a number, a word, or the components of a vector."""
-    return ", ".join(value_in_words(part[name]) for name in component_names(axis))
+    return ", ".join(value_in_words(part[name], label) for name in component_names(axis))
 
 
-def _points(dataset: xr.Dataset, x: str, y: str) -> tuple[np.ndarray, np.ndarray]:
-    along, across = xr.broadcast(evaluate(dataset, x), evaluate(dataset, y))
+def _points(dataset: xr.Dataset, figure: Figure, formula: str) -> tuple[np.ndarray, np.ndarray]:
+    x, y = (figure.settings["x"], figure.label("x")), (formula, figure.label("y"))
+    along, across = xr.broadcast(evaluated(dataset, *x), evaluated(dataset, *y))
     return along.values.ravel(), across.values.ravel()
 
 
 def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     settings = figure.settings
     dataset = dataset.isel(settings["position"])
-    value = evaluate(dataset, settings["value"])
+    value = evaluated(dataset, settings["value"], figure.label("value"))
     if "where" in settings:
         value = value.where(select(dataset, settings["where"]))
     value = of_only_method(value)
-    x, y = evaluate(dataset, settings["x"]), evaluate(dataset, settings["y"])
+    x, y = (evaluated(dataset, settings[name], figure.label(name)) for name in ("x", "y"))
     missing, scenarios = int((~np.isfinite(value)).sum()), value.size
     # More cells than pixels cost time and show nothing.
     steps = {axis.dims[0]: slice(None, None, math.ceil(axis.size / MOST_CELLS)) for axis in (x, y)}
@@ -167,18 +182,16 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     edges = [cell_edges(side.values, name in settings["log"]) for name, side in (("x", x), ("y", y))]
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap="viridis", rasterized=True)
     ticks = None if norm is None or logarithmic else norm.boundaries[:-1] + 0.5
-    drawn.colorbar(mesh, ax=axes, label=plain(settings.get("label", settings["value"])), ticks=ticks)
+    drawn.colorbar(mesh, ax=axes, label=figure.label("value").text, ticks=ticks)
     if settings["contours"]:
-        lines = axes.contour(x.values, y.values, shown, levels=settings["contours"], colors="white", linewidths=1.2)
-        axes.clabel(lines, fmt="%g", fontsize=8)
+        levels = [level * figure.label("value").factor for level in settings["contours"]]
+        lines = axes.contour(x.values, y.values, shown, levels=levels, colors="white", linewidths=1.2)
+        axes.clabel(lines, fmt="%g", fontsize=NOTE)
     _scales(axes, settings["log"].replace("value", "").strip())
     axes.grid(visible=False)
     note = f"grey: no solution ({missing} of {scenarios})" if missing and "where" not in settings else ""
-    axes.set(
-        xlabel=plain(settings["x_label"]) if "x_label" in settings else formula_label(settings["x"]),
-        ylabel=plain(settings["y_label"]) if "y_label" in settings else formula_label(settings["y"]),
-    )
-    axes.set_title(note, fontsize=9)
+    axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text)
+    axes.set_title(note, fontsize=NOTE)
     return drawn
 
 
@@ -196,15 +209,13 @@ def _convergence(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     found = convergences(scene, dataset, output)
     shown = {n: f for n, f in found.items() if against in (f.series.option, RUN_TIME)}
     for number, (name, one) in enumerate(shown.items()):
-        x = one.run_times if against == RUN_TIME else np.array(one.series.values)
+        x = one.run_times * figure.label("x").factor if against == RUN_TIME else np.array(one.series.values)
         style: Any = {"color": PALETTE[number % len(PALETTE)], "linestyle": DASHES[number % len(DASHES)]}
-        axes.plot(x, one.errors, marker="o", label=f"{word(name)}: order {one.order:.2f}", **style)
+        axes.plot(
+            x, one.errors * figure.label("y").factor, marker="o", label=f"{word(name)}: order {one.order:.2f}", **style
+        )
     _scales(axes, "xy")
-    label = QUANTITIES[RUN_TIME].label if against == RUN_TIME else word(against)
-    axes.set(
-        xlabel=plain(settings["x_label"]) if "x_label" in settings else label,
-        ylabel=plain(settings.get("y_label", f"largest relative error of {word(output)}")),
-    )
+    axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text)
     axes.legend()
     return drawn
 
@@ -230,14 +241,14 @@ def _audit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
             cell["printed"] + exact,
             ha="center",
             va="center",
-            fontsize=7,
+            fontsize=NOTE,
             fontweight="bold" if wrong else "normal",
         )
     palette = ListedColormap(list(shades.values()))
     axes.imshow(np.ma.masked_invalid(colours), aspect="auto", cmap=palette, norm=BoundaryNorm(np.arange(-0.5, 3), 3))
-    axes.set_xticks(range(len(columns)), [word(name) for name in columns], rotation=20, ha="left", fontsize=8)
+    axes.set_xticks(range(len(columns)), [word(name) for name in columns], rotation=20, ha="left", fontsize=NOTE)
     axes.xaxis.tick_top()
-    axes.set_yticks(range(len(rows)), _row_names(table, rows, columns), fontsize=7)
+    axes.set_yticks(range(len(rows)), _row_names(table, rows, columns), fontsize=NOTE)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
     counts = table["flag"].value_counts()

@@ -10,10 +10,10 @@ from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
 from cablesim.errors import InputError
-from cablesim.report.drawing import NEWTONS_PER_KILONEWTON, curves, panel_legend, plain
+from cablesim.report.drawing import PAGE, curves, panel_legend, plain
 
 # Of one panel, in inches.
-WIDTH, HEIGHT = 6.5, 2.1
+HEIGHT = 2.1
 
 
 def draw_history(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -23,18 +23,19 @@ def draw_history(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     _check_window(dataset, settings["from"])
     rows = -(-len(panels) // columns)
     drawn, grid = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    drawn.set_size_inches(WIDTH * max(1.0, 0.6 * columns) + 0.5, HEIGHT * rows + 1.8)
+    drawn.set_size_inches(PAGE, HEIGHT * rows + 1.8)
     used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
     for axes, (title, shapes) in zip(used, panels, strict=True):
-        _draw_panel(axes, dataset, shapes, settings)
-        axes.set_title(plain(title), fontsize=10)
+        _draw_panel(axes, dataset, shapes, figure)
+        axes.set_title(plain(title))
     for axes in spare:
         axes.remove()
     for axes in used[-columns:]:
         axes.tick_params(labelbottom=True)
-        axes.set(xlabel=plain(settings.get("x_label", "time [s]")))
-    used[0].set_xlim(left=settings["from"], right=settings["to"])
-    drawn.supylabel(plain(settings.get("y_label", f"tension at the {settings['place']} [kN]")), fontsize=10)
+        axes.set(xlabel=figure.label("x").text)
+    limits = (settings[end] and settings[end] * figure.label("x").factor for end in ("from", "to"))
+    used[0].set_xlim(*limits)
+    drawn.supylabel(figure.label("y").text)
     panel_legend(drawn, used)
     return drawn
 
@@ -47,9 +48,11 @@ def _check_window(dataset: xr.Dataset, first: float | None) -> None:
         raise InputError(f"no history reaches {first:g} s: the longest ends at {last:g} s")
 
 
-def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
+def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], figure: Figure) -> None:
+    settings = figure.settings
     first, last = settings["from"] or 0.0, settings["to"] or np.inf
     for line, style in curves(dataset, shapes, settings["methods"]):
-        shown = (line.history_time.values >= first) & (line.history_time.values <= last)
-        tension = line.history.sel(place=settings["place"]).values / NEWTONS_PER_KILONEWTON
-        axes.plot(line.history_time.values[shown], tension[shown], linewidth=1.2, **style)
+        times, tension = line.history_time.values, line.history.sel(place=settings["place"]).values
+        shown = (times >= first) & (times <= last)
+        x, y = times[shown] * figure.label("x").factor, tension[shown] * figure.label("y").factor
+        axes.plot(x, y, linewidth=1.2, **style)

@@ -7,7 +7,7 @@ import xarray as xr
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import curves, legend, plain
+from cablesim.report.drawing import curves, legend
 
 
 def draw_orbit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -17,14 +17,12 @@ def draw_orbit(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     drawn, axes = plt.subplots()
     for line, style in curves(dataset, settings["shapes"], settings["methods"]):
         path = line.orbit.isel(phase=[*range(line.sizes["phase"]), 0])
-        x, y = path.sel(component=across).values, path.sel(component=up).values
+        x = path.sel(component=across).values * figure.label("x").factor
+        y = path.sel(component=up).values * figure.label("y").factor
         axes.plot(x, y, marker=".", markersize=4, **style)
         axes.plot(x[0], y[0], marker="o", markersize=5, color=style["color"])
     axes.plot(0.0, 0.0, marker="+", color="black", markersize=9)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(
-        xlabel=plain(settings.get("x_label", f"{across} from the place at rest [m]")),
-        ylabel=plain(settings.get("y_label", f"{up} from the place at rest [m]")),
-    )
+    axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text)
     legend(axes)
     return drawn

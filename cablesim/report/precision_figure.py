@@ -9,10 +9,11 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.method import find_series, series_names
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import DASHES, PALETTE, word
+from cablesim.report.drawing import DASHES, NOTE, PAGE, PALETTE, word
 from cablesim.report.precision import TARGETS, WorkAndPrecision, Worth, work_and_precision
 
-WIDE = (9.5, 5.5)
+# In inches: without the legend, and a row of that.
+HEIGHT, ROW = 4.6, 0.17
 MARKS = "osD^vP*X<>p"
 # Where an error that is nothing is drawn.
 LEAST = 1e-17
@@ -22,20 +23,20 @@ FRONT, UNTOLD = "#BBBBBB", "#EEEEEE"
 def draw_work_precision(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     """Both axes logarithmic; methods that differ in one option are joined; open marks: not everything is solved."""
     found = work_and_precision(scene, dataset)
-    drawn, axes = plt.subplots(figsize=WIDE)
+    drawn_groups = groups(scene, found, figure.settings["join"])
+    drawn, axes = plt.subplots(figsize=(PAGE, HEIGHT + ROW * (len(drawn_groups) + 1)))
     _draw_front(axes, found)
-    for number, (name, members) in enumerate(groups(scene, found, figure.settings["join"]).items()):
+    for number, (name, members) in enumerate(drawn_groups.items()):
         _draw_group(axes, number, name, members)
     for target in TARGETS:
         axes.axhline(target, color="black", linewidth=0.5, linestyle=":", zorder=0)
-    axes.set(xscale="log", yscale="log", xlabel="run time a scenario [s]")
-    axes.set_ylabel(f"largest relative error of {word(found.output)}")
+    axes.set(xscale="log", yscale="log", xlabel=figure.label("x").text, ylabel=figure.label("y").text)
     low, high = axes.get_ylim()
     axes.axhspan(low, min(max(found.least_told, low), high), color=UNTOLD, zorder=0)
     axes.set_ylim(low, high)
     note = f"grey: below {found.least_told:.0e} the reference does not tell; open marks: not every scenario solved"
-    axes.set_title(note, fontsize=9)
-    axes.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.set_title(note, fontsize=NOTE)
+    drawn.legend(fontsize=NOTE, loc="outside lower center", ncols=2)
     return drawn
 
 

@@ -9,16 +9,13 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import PALETTE, curves, draw_points, legend, plain
+from cablesim.report.drawing import NOTE, PAGE, PALETTE, curves, draw_points, legend
 from cablesim.report.sections import draw_sections, section_legend
 
-# Width of a panel and least width of all of them, in inches; thinnest side of the box around lines in space, beside the
-# longest.
-PANEL = 3.2
-LEAST_WIDTH = 6.5
+# In inches, of a page's width: what is not panels. Thinnest side of the box around lines in space, beside the longest.
+AROUND = 1.0
 THINNEST = 0.6
-# A panel that is stretched by a factor of its own: its width in inches, and at most how high it is beside that.
-WIDE_PANEL = 4.6
+# A panel that is stretched by a factor of its own: at most how high it is beside its width.
 FLATTEST = 0.3
 STRETCHES = (1.0, 2.0, 5.0)
 LEGEND_COLUMN = 2.4
@@ -32,33 +29,30 @@ def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     drawn, grid = plt.subplots(rows, columns, sharex=shared and rows > 1, sharey=shared, squeeze=False)
     used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
     for axes, (heading, shapes) in zip(used, panels, strict=True):
-        _draw_panel(axes, dataset, shapes, settings)
+        _draw_panel(axes, dataset, shapes, figure)
         stretch = settings["stretch"] or own_stretch(axes.dataLim.width, axes.dataLim.height)
         axes.set_aspect(stretch, adjustable="box" if shared and len(panels) > 1 else "datalim")
-        axes.set_title(heading, fontsize=10)
+        axes.set_title(heading)
         if not shared:
-            axes.set_title("" if stretch == 1.0 else f"heights × {stretch:g}", fontsize=8, loc="right")
+            axes.set_title("" if stretch == 1.0 else f"heights × {stretch:g}", fontsize=NOTE, loc="right")
     for axes in spare:
         axes.remove()
-    _label_panels(drawn, grid, settings)
+    _label_panels(drawn, grid, figure)
     if len(panels) > 1:
         drawn.set_size_inches(*_size(grid, settings))
     _add_legend(drawn, used[0], settings)
     return drawn
 
 
-def _label_panels(drawn: Any, grid: Any, settings: dict[str, Any]) -> None:
+def _label_panels(drawn: Any, grid: Any, figure: Figure) -> None:
     """Labels of the axes, each once for panels in a column or a row."""
-    across, up = settings["view"]
-    x_label, y_label = (
-        plain(settings.get(f"{axis}_label", f"{name} [m]")) for axis, name in (("x", across), ("y", up))
-    )
-    stretch, panels = settings["stretch"], len(settings["panels"])
+    x_label, y_label = figure.label("x").text, figure.label("y").text
+    stretch, panels = figure.settings["stretch"], len(figure.settings["panels"])
     y_label += "" if stretch in (None, 1.0) else f", drawn × {stretch:g}"
     for axes in grid.flat[max(0, panels - grid.shape[1]) : panels]:
         axes.set(xlabel=x_label)
     if len(grid) > 1:
-        drawn.supylabel(y_label, fontsize=10)
+        drawn.supylabel(y_label)
     else:
         grid[0][0].set(ylabel=y_label)
 
@@ -75,24 +69,24 @@ def own_stretch(width: float, height: float) -> float:
 def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
     """Width and height of a figure of several panels, so that they fill it."""
     rows, columns = grid.shape
+    panel = (PAGE - AROUND) / columns
     if settings["stretch"] is None:
-        return WIDE_PANEL * columns + 1.0, (WIDE_PANEL * FLATTEST + 0.6) * rows + 1.4
+        return PAGE, (panel * FLATTEST + 0.6) * rows + 1.4
     limits = [(axes.get_xlim(), axes.get_ylim()) for axes in grid.flat[: len(settings["panels"])]]
     width = max(right - left for (left, right), _ in limits)
     height = settings["stretch"] * max(top - bottom for _, (bottom, top) in limits)
-    panel = max(PANEL, LEAST_WIDTH / columns)
-    return panel * columns + 1.0, rows * float(np.clip(panel * height / width, 1.0, 5.0)) + 1.6
+    return PAGE, rows * float(np.clip(panel * height / width, 1.0, 5.0)) + 1.6
 
 
-def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> None:
+def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], figure: Figure) -> None:
+    settings = figure.settings
     if settings["colours"] is not None:
-        draw_sections(axes, dataset, shapes, settings)
+        draw_sections(axes, dataset, shapes, figure)
     else:
-        across, up = settings["view"]
+        sides = [(component, figure.label(axis).factor) for axis, component in zip("xy", settings["view"], strict=True)]
         for line, style in curves(dataset, shapes, settings["methods"]):
-            profile = line.profile
-            axes.plot(profile.sel(component=across), profile.sel(component=up), **style)
-    draw_points(axes, settings["points"])
+            axes.plot(*(line.profile.sel(component=component) * factor for component, factor in sides), **style)
+    draw_points(axes, figure)
 
 
 def _add_legend(drawn: Any, first: Any, settings: dict[str, Any]) -> None:
@@ -100,16 +94,16 @@ def _add_legend(drawn: Any, first: Any, settings: dict[str, Any]) -> None:
     if settings["colours"] is not None:
         handles = section_legend(settings)
         columns = int(drawn.get_figwidth() / LEGEND_COLUMN)
-        drawn.legend(handles=handles, loc="outside lower center", ncols=columns, fontsize=9)
+        drawn.legend(handles=handles, loc="outside lower center", ncols=columns)
     elif len(settings["panels"]) == 1:
         legend(first)
     else:
-        drawn.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
+        drawn.legend(*first.get_legend_handles_labels(), loc="outside lower center", ncols=4)
 
 
 def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     """The line in space, with its shadow on the floor and the stream as arrows."""
-    drawn = plt.figure(figsize=(7.0, 5.5))
+    drawn = plt.figure(figsize=(PAGE, 5.5))
     axes: Any = drawn.add_subplot(projection="3d", computed_zorder=False)
     shapes = figure.settings["shapes"]
     lines = list(curves(dataset, shapes, figure.settings["methods"]))
@@ -122,10 +116,10 @@ def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
         axes.plot(x, y, z, zorder=3, **style)
     _stream_arrows(axes, dataset, shapes, low, high)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text, zlabel=figure.label("z").text)
     axes.set_box_aspect(high - low, zoom=1.1)
     axes.locator_params(nbins=5)
-    drawn.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=8)
+    drawn.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return drawn
 
 

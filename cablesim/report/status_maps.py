@@ -9,8 +9,8 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, of_method, status_words
-from cablesim.report.drawing import ascending, cell_edges, formula_label, plain, word
+from cablesim.database.reading import of_method, status_words
+from cablesim.report.drawing import LEGEND, NOTE, PAGE, ascending, cell_edges, evaluated, plain, word
 from cablesim.status import Status
 
 # Of Okabe and Ito's palette, but for what is solved, not installed or not run: told apart by any kind of colour vision,
@@ -23,8 +23,8 @@ COLOURS = {
     Status.unavailable: "#5B2A86",
     Status.not_run: "#FFFFFF",
 }
-# In inches: of a panel, of a row of one and the least of all, and for labels, title and legend.
-PANEL_WIDTH, PANEL_HEIGHT, ROW, LEAST_WIDTH, LEAST_HEIGHT, AROUND = 2.9, 2.0, 0.3, 7.0, 0.8, 1.7
+# In inches: how high a panel is, a row of one and the least of all, and labels, title and legend.
+PANEL, ROW, LEAST, AROUND = 2.0, 0.3, 0.8, 1.7
 
 
 def draw_status_map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
@@ -33,38 +33,41 @@ def draw_status_map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     methods, words = settings["methods"], status_words(dataset)
     chosen = dataset.isel(settings["position"])
     fates = [of_method(chosen.status, method) for method in methods]
-    drawn = _panels(chosen, fates, settings) if "y" in settings else _rows(chosen, fates, settings)
+    drawn = _panels(chosen, fates, figure) if "y" in settings else _rows(chosen, fates, figure)
     _name_statuses(drawn, np.concatenate([fate.values.ravel() for fate in fates]), words)
     return drawn
 
 
-def _panels(dataset: xr.Dataset, fates: list[xr.DataArray], settings: dict[str, Any]) -> Any:
+def _panels(dataset: xr.Dataset, fates: list[xr.DataArray], figure: Figure) -> Any:
+    settings = figure.settings
     columns = min(settings["across"], len(fates))
     rows = -(-len(fates) // columns)
-    size = (max(PANEL_WIDTH * columns + 0.8, LEAST_WIDTH), PANEL_HEIGHT * rows + AROUND)
+    size = (PAGE, PANEL * rows + AROUND)
     drawn, grid = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False)
-    x, y = (evaluate(dataset, settings[name]) for name in ("x", "y"))
+    x, y = (evaluated(dataset, settings[name], figure.label(name)) for name in ("x", "y"))
     for axes, fate, method in zip(grid.flat, fates, settings["methods"], strict=False):
         _paint(axes, x, y, fate, settings)
-        axes.set_title(plain(word(method)), fontsize=9)
+        axes.set_title(plain(word(method)), fontsize=LEGEND)
     for axes in grid[:, 0]:
-        axes.set_ylabel(_words_of("y", settings))
+        axes.set_ylabel(figure.label("y").text)
     # Below the last panel of each column, which need not be in the last row.
     for axes in grid.flat[max(len(fates) - columns, 0) : len(fates)]:
-        axes.set_xlabel(_words_of("x", settings))
+        axes.set_xlabel(figure.label("x").text)
         axes.tick_params(labelbottom=True)
     for axes in grid.flat[len(fates) :]:
         axes.remove()
     return drawn
 
 
-def _rows(dataset: xr.Dataset, fates: list[xr.DataArray], settings: dict[str, Any]) -> Any:
-    drawn, axes = plt.subplots(figsize=(LEAST_WIDTH, max(ROW * len(fates), LEAST_HEIGHT) + AROUND))
+def _rows(dataset: xr.Dataset, fates: list[xr.DataArray], figure: Figure) -> Any:
+    settings = figure.settings
+    drawn, axes = plt.subplots(figsize=(PAGE, max(ROW * len(fates), LEAST) + AROUND))
     numbers = xr.DataArray(np.arange(len(fates)), dims="method")
-    _paint(axes, evaluate(dataset, settings["x"]), numbers, xr.concat(fates, "method"), settings)
+    x = evaluated(dataset, settings["x"], figure.label("x"))
+    _paint(axes, x, numbers, xr.concat(fates, "method"), settings)
     axes.set_yticks(numbers.values, [plain(word(method)) for method in settings["methods"]])
     axes.invert_yaxis()
-    axes.set_xlabel(_words_of("x", settings))
+    axes.set_xlabel(figure.label("x").text)
     return drawn
 
 
@@ -87,8 +90,4 @@ def _name_statuses(drawn: Any, fates: np.ndarray, words: tuple[str, ...]) -> Non
     found = [Status[name] for name, count in zip(words, counts, strict=True) if count]
     handles = [plt.Rectangle((0, 0), 1, 1, facecolor=COLOURS[status], edgecolor="#888888") for status in found]
     labels = [f"{word(status.name)} ({counts[status]} of {fates.size}): {status.sentence}" for status in found]
-    drawn.legend(handles, labels, loc="outside lower left", fontsize=8)
-
-
-def _words_of(name: str, settings: dict[str, Any]) -> str:
-    return plain(settings[f"{name}_label"]) if f"{name}_label" in settings else formula_label(settings[name])
+    drawn.legend(handles, labels, loc="outside lower left", fontsize=NOTE)

@@ -287,7 +287,7 @@ def test_a_history_has_a_panel_for_each_at_and_a_curve_for_each_scenario_and_met
     # Of 1000 N at the top, half in the middle; times of the stub are whole periods of 4 s.
     np.testing.assert_allclose(line.get_ydata(), 0.5, rtol=1e-6)
     assert picture.axes[0].get_shared_y_axes().joined(*picture.axes)
-    assert picture.get_supylabel() == "tension at the middle [kN]"
+    assert picture.get_supylabel() == "tension at the middle $T$ [kN]"
 
 
 def test_a_history_is_cut_to_the_times_that_are_asked(tmp_path, monkeypatch):
@@ -296,7 +296,7 @@ def test_a_history_is_cut_to_the_times_that_are_asked(tmp_path, monkeypatch):
     axes = picture.axes[0]
     assert axes.lines[0].get_xdata().tolist() == [8.0, 12.0, 16.0, 20.0, 24.0, 28.0]
     assert axes.get_xlim() == (8.0, 30.0)
-    assert (axes.get_xlabel(), picture.get_supylabel()) == ("t", "tension at the top [kN]")
+    assert (axes.get_xlabel(), picture.get_supylabel()) == ("t $t$ [s]", "tension at the top $T$ [kN]")
 
 
 def test_a_history_that_starts_after_all_have_ended_is_refused(ask: Ask, tmp_path):
@@ -314,7 +314,7 @@ def test_an_orbit_is_closed_and_starts_at_the_larger_dot(tmp_path, monkeypatch):
     np.testing.assert_allclose(path.get_xdata(), [0.0, 0.5, 0.0, -0.5, 0.0], atol=1e-7)
     np.testing.assert_allclose(path.get_ydata(), 0.0)
     assert (start.get_xdata()[0], start.get_ydata()[0]) == (path.get_xdata()[0], 0.0)
-    assert picture.axes[0].get_xlabel() == "x from the place at rest [m]"
+    assert picture.axes[0].get_xlabel() == "horizontal distance from rest $x$ [m]"
     assert [text.get_text() for text in picture.axes[0].get_legend().get_texts()] == ["depth 10 m", "depth 20 m"]
 
 
@@ -333,7 +333,7 @@ def test_snapshots_are_coloured_by_tension_on_one_scale_for_all_panels(tmp_path,
     rest = panels[0].lines[0]
     assert rest.get_linestyle() == "--"
     np.testing.assert_allclose(rest.get_ydata(), [0.0, 2.5, 5.0, 7.5, 10.0])
-    assert bar.get_ylabel() == "tension [kN]; motion × 2"
+    assert bar.get_ylabel() == "tension $T$ [kN]; motion × 2"
 
 
 @pytest.mark.parametrize("kind", ["history", "orbit", "snapshots"])

@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from cablesim.config.axis_labels import parameter_label
+from cablesim.config.figure_file import Figure
 from cablesim.config.scene import read_scene
 from cablesim.costs import BESIDE, Sizes
 from cablesim.database.query import query
 from cablesim.database.reading import evaluate, open_scene, select
 from cablesim.errors import InputError
+from cablesim.labels import quantity_label
 from cablesim.plan import read_plan
 from cablesim.report.tables import error_table
 from cablesim.solver import load_solver
@@ -221,6 +224,12 @@ def test_value_tables_show_components(tmp_path):
     assert (row["friction_law"], row["force_B_z"], row["position_B_y"]) == ("zero", "12.0", "6.0")
 
 
+def curves_for(each: str) -> Figure:
+    """A figure of curves as it is read."""
+    labels = {"x": quantity_label("line_length"), "y": quantity_label("force_B_z"), "each": parameter_label(each)}
+    return Figure("look", "curves", {"x": "line_length", "y": {"": "one.force_B_z"}, "each": each, "labels": labels})
+
+
 def test_legends_say_words_and_vectors(tmp_path):
     laws = {"kind": "curves", "x": "line_length", "y": "one.force_B_z", "each": "friction_law"}
     figures = {"laws": laws, "shown": {**laws, "where": "friction_law == zero"}}
@@ -232,12 +241,11 @@ def test_legends_say_words_and_vectors(tmp_path):
 
     found = open_scene(tmp_path / "results", "pulled")
     _, axes = plt.subplots()
-    settings = {"x": "line_length", "y": {"": "one.force_B_z"}, "each": "friction_law"}
-    drawing._shaded_curves(axes, found, settings)
+    drawing._shaded_curves(axes, found, curves_for("friction_law"))
     assert axes.get_legend_handles_labels()[1] == ["friction law = zero", "friction law = constant"]
     found = run(tmp_path, design="{grid: {line_length: [1, 2], force_A: [[0, 3, 4], [0, 0, 2]]}}", fixed="{}")
     _, axes = plt.subplots()
-    drawing._shaded_curves(axes, found, {**settings, "each": "force_A"})
+    drawing._shaded_curves(axes, found, curves_for("force_A"))
     assert axes.get_legend_handles_labels()[1] == ["force A = 0 N, 3 N, 4 N", "force A = 0 N, 0 N, 2 N"]
     plt.close("all")
 

@@ -10,9 +10,9 @@ from matplotlib.colors import to_hex
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, select
+from cablesim.database.reading import select
 from cablesim.quantities import component_names
-from cablesim.report.drawing import value_in_words, word
+from cablesim.report.drawing import evaluated, value_in_words
 from cablesim.report.page.columns import Columns, column
 from cablesim.report.page.panel import (
     DASHES,
@@ -27,7 +27,6 @@ from cablesim.report.page.panel import (
     scale,
     scenario_numbers,
 )
-from cablesim.report.page.sides import side
 
 
 def curve_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
@@ -38,12 +37,12 @@ def curve_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pane
     if "where" in settings:
         chosen = chosen.where(select(chosen, settings["where"]))
     draw = _along if settings["each"] else _formulas
-    data, channels = draw(chosen, numbers, settings)
-    x, y = (_axis(settings, name, data[name]) for name in ("x", "y"))
+    data, channels = draw(chosen, numbers, figure)
+    x, y = (_axis(figure, name, data[name]) for name in ("x", "y"))
     tooltip = [
         alt.Tooltip("series:N", title=" "),
-        alt.Tooltip("x:Q", title=side(settings, "x"), format="~g"),
-        alt.Tooltip("y:Q", title=title(settings, "y") or "value", format="~g"),
+        alt.Tooltip("x:Q", title=figure.label("x").plain, format="~g"),
+        alt.Tooltip("y:Q", title=figure.label("y").plain or "value", format="~g"),
     ]
     choice, opacity = fading()
     marks = settings["draw"] == "marks"
@@ -55,45 +54,38 @@ def curve_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pane
         layers.append(rows().mark_circle(size=70, opacity=0).encode(x=x, y=y, tooltip=tooltip))
     tables = {"rows": data}
     if settings["points"] is not None:
-        tables["points"] = printed_points(settings["points"])
+        tables["points"] = printed_points(figure)
         layers.append(hollow(tables["points"]).encode(x=x, y=y))
     return [Panel(alt.layer(*layers), tables)]
 
 
-def _axis(settings: dict[str, Any], name: str, values: list[Any]) -> Any:
+def _axis(figure: Figure, name: str, values: list[Any]) -> Any:
     channel = alt.X if name == "x" else alt.Y
-    return channel(f"{name}:Q", title=title(settings, name), **scale(values, name in settings["log"]))
+    return channel(f"{name}:Q", title=figure.label(name).plain, **scale(values, name in figure.settings["log"]))
 
 
-def title(settings: dict[str, Any], name: str) -> str:
-    """What stands at a side: nothing where several formulas share it and the scene has no words for them."""
-    if name == "x" or "y_label" in settings:
-        return side(settings, name)
-    formulas = list(settings["y"].values())
-    return side({"y": formulas[0]}, "y") if len(formulas) == 1 else ""
-
-
-def _formulas(dataset: xr.Dataset, numbers: xr.DataArray, settings: dict[str, Any]) -> tuple[Columns, dict[str, Any]]:
+def _formulas(dataset: xr.Dataset, numbers: xr.DataArray, figure: Figure) -> tuple[Columns, dict[str, Any]]:
     """One line for each formula, told apart by colour."""
     lines = [
-        _line(dataset, numbers, settings, label or side({"y": formula}, "y"), formula)
-        for label, formula in settings["y"].items()
+        _line(dataset, numbers, figure, label or figure.label("y").plain, formula)
+        for label, formula in figure.settings["y"].items()
     ]
     return joined(lines), {"color": coloured([line["series"][0] for line in lines if line["series"]])}
 
 
-def _along(dataset: xr.Dataset, numbers: xr.DataArray, settings: dict[str, Any]) -> tuple[Columns, dict[str, Any]]:
+def _along(dataset: xr.Dataset, numbers: xr.DataArray, figure: Figure) -> tuple[Columns, dict[str, Any]]:
     """A line for each point of an axis, told apart by shade; formulas by dashes."""
+    settings, called = figure.settings, figure.label("each")
     axis = settings["each"]
-    called = settings.get("each_label", word(axis))
     shades = [to_hex(shade) for shade in plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[axis]))]
     lines, series = [], {}
     for i, shade in enumerate(shades):
         part, own = dataset.isel({axis: i}), numbers.isel({axis: i})
-        value = f"{called} = {', '.join(value_in_words(part[name]) for name in component_names(axis))}"
+        words = ", ".join(value_in_words(part[name], called) for name in component_names(axis))
+        value = f"{called.plain_words} = {words}"
         series[value] = shade
         for label, formula in settings["y"].items():
-            line = _line(part, own, settings, value, formula)
+            line = _line(part, own, figure, value, formula)
             lines.append({**line, "formula": [label] * len(line["x"])})
     channels = {"color": coloured(list(series), list(series.values()))}
     if len(settings["y"]) > 1:
@@ -106,13 +98,14 @@ def _along(dataset: xr.Dataset, numbers: xr.DataArray, settings: dict[str, Any])
     return joined(lines), channels
 
 
-def _line(dataset: xr.Dataset, numbers: xr.DataArray, settings: dict[str, Any], series: str, formula: str) -> Columns:
+def _line(dataset: xr.Dataset, numbers: xr.DataArray, figure: Figure, series: str, formula: str) -> Columns:
     """The points of one line: places where there is no value part it."""
-    along, across = xr.broadcast(evaluate(dataset, settings["x"]), evaluate(dataset, formula))
+    sides = ((figure.settings["x"], figure.label("x")), (formula, figure.label("y")))
+    along, across = xr.broadcast(*(evaluated(dataset, *side) for side in sides))
     found = numbers.broadcast_like(along.isel(method=0, drop=True) if "method" in along.dims else along)
     x, y = along.values.ravel(), across.values.ravel()
     for name, values in (("x", x), ("y", y)):
-        if name in settings["log"]:
+        if name in figure.settings["log"]:
             x, y = np.where(values > 0.0, x, np.nan), np.where(values > 0.0, y, np.nan)
     return {
         "x": column(x),

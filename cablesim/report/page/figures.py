@@ -7,7 +7,7 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
 from cablesim.errors import InputError
-from cablesim.report.page.curve_panels import curve_panels, title
+from cablesim.report.page.curve_panels import curve_panels
 from cablesim.report.page.line_panels import orbit_panels, profile_panels, snapshot_panels, spatial_panels
 from cablesim.report.page.map_panels import map_panels, status_panels
 from cablesim.report.page.method_panels import audit_panels, convergence_panels, precision_panels
@@ -22,6 +22,7 @@ PANELS = {
     "history": history_panels,
     "orbit": orbit_panels,
     "snapshots": snapshot_panels,
+    "animation": snapshot_panels,
     "convergence": convergence_panels,
     "work_precision": precision_panels,
     "audit": audit_panels,
@@ -35,6 +36,7 @@ TITLES = {
     "history": "Tension against time",
     "orbit": "Path of the middle of the line through the last period",
     "snapshots": "The line through the last period, in the colours of its tension",
+    "animation": "The line through the last period, in the colours of its tension",
     "convergence": "How the error falls",
     "work_precision": "Error against run time",
     "audit": "Every printed value, by verdict",
@@ -58,10 +60,7 @@ def page_figures(scene: Scene, dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 def _title(figure: Figure) -> str:
     """What a figure shows, in words of its sides."""
-    settings = figure.settings
     if figure.kind == "curves":
-        shown = title(settings, "y") or " and ".join(dict.fromkeys(settings["y"]))
-        return f"{shown} against {title(settings, 'x')}"
-    if figure.kind == "map":
-        return str(settings.get("label", settings["value"]))
-    return TITLES[figure.kind]
+        shown = figure.label("y").plain_words or " and ".join(filter(None, figure.settings["y"]))
+        return f"{shown} against {figure.label('x').plain_words}"
+    return figure.label("value").plain if figure.kind == "map" else TITLES[figure.kind]

@@ -9,7 +9,7 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import NEWTONS_PER_KILONEWTON, PALETTE, styled
+from cablesim.report.drawing import PALETTE, styled
 from cablesim.report.page.columns import Columns, column
 from cablesim.report.page.panel import (
     DASHES,
@@ -27,6 +27,7 @@ from cablesim.report.page.panel import (
 )
 from cablesim.report.sections import section_parts
 from cablesim.report.shapes import own_stretch
+from cablesim.report.snapshots import Motion, motions_of
 
 SPATIAL_VIEWS = {"xz": "from the side", "yz": "along the stream", "xy": "from above"}
 REST = {"color": "#222222", "strokeDash": [5, 4], "strokeWidth": 1.2}
@@ -36,8 +37,8 @@ def profile_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pa
     """Shapes of the line; scales are equal but for the factor that heights are drawn too large by."""
     settings = figure.settings
     draw = _sections if settings["colours"] is not None else _lines
-    drawn = [draw(dataset, panel.shapes, settings) for panel in settings["panels"]]
-    printed = printed_points(settings["points"])
+    drawn = [draw(dataset, panel.shapes, figure, settings["view"]) for panel in settings["panels"]]
+    printed = printed_points(figure)
     shared = settings["stretch"] is not None
     common = box(*_extent([data for _, data in drawn], printed))
     panels = []
@@ -47,7 +48,7 @@ def profile_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pa
         if printed["x"]:
             layers, data = [*layers, hollow(printed)], {**data, "points": printed}
         title = panel.title + ("" if stretch == 1.0 else f" (heights × {stretch:g})")
-        chart = _framed(layers, ranges, _titles(settings))
+        chart = _framed(layers, ranges, _titles(figure, "xy"))
         panels.append(Panel(chart, data, title, aspect=height_over_width(ranges, stretch)))
     return panels
 
@@ -56,12 +57,10 @@ def spatial_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pa
     """Lines in space from three sides."""
     settings, panels = figure.settings, []
     for view, words in SPATIAL_VIEWS.items():
-        layers, data = _lines(dataset, settings["shapes"], {**settings, "view": view})
+        layers, data = _lines(dataset, settings["shapes"], figure, view)
         ranges = box(*_extent([data]))
-        # A view along which the line is nearly straight would be a hair: its scales differ.
         aspect = height_over_width(ranges)
-        titles = [f"{component} [m]" for component in view]
-        panels.append(Panel(_framed(layers, ranges, titles), data, words, aspect=aspect))
+        panels.append(Panel(_framed(layers, ranges, _titles(figure, view)), data, words, aspect=aspect))
     return panels
 
 
@@ -71,33 +70,34 @@ def orbit_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pane
     view, styles = list(settings["view"]), styled(settings["shapes"], settings["methods"])
     numbers, parts = scenario_numbers(dataset), []
     for style in styles:
-        path = style.line(dataset).orbit.sel(component=view).transpose("component", "phase").values
+        path = _scaled(style.line(dataset).orbit, view, "phase", _factors(figure, "xy"))
         parts.append(_points(np.concatenate([path, path[:, :1]], axis=1), style.label, numbers, style.shape))
     data = {"rows": joined(parts)}
     ranges = box(*_extent([data], {"x": [0.0], "y": [0.0]}))
     base = _base([s.label for s in styles], **styled_lines(styles))
     rest = alt.Chart(alt.InlineData([{"x": 0, "y": 0}])).mark_point(shape="cross", size=90, color="black", filled=True)
-    titles = [settings.get(f"{a}_label", f"{c} from the place at rest [m]") for a, c in zip("xy", view, strict=True)]
-    chart = _framed([base.mark_line(point=True), rest.encode(x="x:Q", y="y:Q")], ranges, titles)
+    chart = _framed([base.mark_line(point=True), rest.encode(x="x:Q", y="y:Q")], ranges, _titles(figure, "xy"))
     return [Panel(chart, data, aspect=height_over_width(ranges))]
 
 
 def snapshot_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
     """The line at the phases of the last period, each element in the colour of its tension; dashed at rest."""
     settings = figure.settings
-    chosen = dataset.sel({"method": settings["method"]}, drop=True)
+    numbers = scenario_numbers(dataset)
+    shapes = [shape for panel in settings["panels"] for shape in panel.shapes]
     drawn = [
-        _elements(chosen.isel(panel.shapes[0].position), settings, scenario_numbers(dataset), panel.shapes[0])
-        for panel in settings["panels"]
+        _elements(motion, int(numbers.isel(shape.position).item()))
+        for motion, shape in zip(motions_of(dataset, figure), shapes, strict=True)
     ]
     ranges = box(*_extent(drawn))
     highest = max((t for data in drawn for t in data["rows"]["tension"] if t is not None), default=1.0)
+    title = figure.label("value").plain
     colour = alt.Color(
         "tension:Q",
         scale=alt.Scale(scheme="viridis", domain=[0, highest]),
-        legend=alt.Legend(title="tension [kN]", direction="horizontal"),
+        legend=alt.Legend(title=title, direction="horizontal"),
     )
-    tooltip = [alt.Tooltip("tension:Q", title="tension [kN]", format=".4~g"), alt.Tooltip("phase:Q", format=".2f")]
+    tooltip = [alt.Tooltip("tension:Q", title=title, format=".4~g"), alt.Tooltip("phase:Q", format=".2f")]
     moved = f" (motion × {settings['magnify']:g})" if settings["magnify"] != 1.0 else ""
     panels = []
     for panel, data in zip(settings["panels"], drawn, strict=True):
@@ -108,13 +108,23 @@ def snapshot_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[P
         rule = rows().mark_rule(strokeWidth=1.6)
         elements = rule.encode(x="x:Q", y="y:Q", x2="x2", y2="y2", color=colour, opacity=shown).add_params(moment)
         rest = rows("rest").mark_line(**REST).encode(x="x:Q", y="y:Q", order="node:Q")
-        chart = _framed([elements.encode(tooltip=tooltip), rest], ranges, _titles(settings))
+        chart = _framed([elements.encode(tooltip=tooltip), rest], ranges, _titles(figure, "xy"))
         panels.append(Panel(chart, data, panel.title + moved, aspect=height_over_width(ranges)))
     return panels
 
 
-def _titles(settings: dict[str, Any]) -> list[str]:
-    return [settings.get(f"{a}_label", f"{c} [m]") for a, c in zip("xy", settings["view"], strict=True)]
+def _titles(figure: Figure, sides: str) -> list[str]:
+    return [figure.label(side).plain for side in sides]
+
+
+def _factors(figure: Figure, sides: str) -> np.ndarray:
+    """What values in SI are multiplied by, as a column."""
+    return np.array([[figure.label(side).factor] for side in sides])
+
+
+def _scaled(places: xr.DataArray, view: list[str], along: str, factors: np.ndarray) -> np.ndarray:
+    """Places of shape (2, along) in a view."""
+    return places.sel(component=view).transpose("component", along).values * factors
 
 
 def _framed(layers: list[Any], ranges: list[list[float]], titles: list[str]) -> Any:
@@ -148,31 +158,34 @@ def _points(places: np.ndarray, series: str, numbers: xr.DataArray, shape: Shape
     }
 
 
-def _lines(dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]) -> tuple[list[Any], dict[str, Columns]]:
-    styles, view = styled(shapes, settings["methods"]), list(settings["view"])
-    numbers, parts = scenario_numbers(dataset), []
+def _lines(dataset: xr.Dataset, shapes: list[Shape], figure: Figure, view: str) -> tuple[list[Any], dict[str, Columns]]:
+    styles, numbers, parts = styled(shapes, figure.settings["methods"]), scenario_numbers(dataset), []
+    factors = _factors(figure, view if figure.kind == "spatial" else "xy")
     for style in styles:
-        places = style.line(dataset).profile.sel(component=view).transpose("component", "node").values
+        places = _scaled(style.line(dataset).profile, list(view), "node", factors)
         parts.append(_points(places, style.label, numbers, style.shape))
     line = _base([style.label for style in styles], **styled_lines(styles)).mark_line(strokeWidth=1.8)
     return [line], {"rows": joined(parts)}
 
 
 def _sections(
-    dataset: xr.Dataset, shapes: list[Shape], settings: dict[str, Any]
+    dataset: xr.Dataset, shapes: list[Shape], figure: Figure, view: str
 ) -> tuple[list[Any], dict[str, Columns]]:
     """Each section in its colour, told apart by dashes if there are several lines; joints and the lowest point."""
-    view, labels = list(settings["view"]), list(settings["colours"].labels)
+    settings, factors = figure.settings, _factors(figure, "xy").ravel()
+    sides, labels = list(view), list(settings["colours"].labels)
     numbers, parts, marks = scenario_numbers(dataset), [], []
     styles = styled(shapes, settings["methods"])
     for style in styles:
         line = style.line(dataset)
-        joints = line.joint_position.dropna("section").sel(component=view).values
+        joints = line.joint_position.dropna("section").sel(component=sides).values * factors
         colours = settings["colours"].numbers(line.section_weight.values[: len(joints)])
-        for i, (colour, part) in enumerate(zip(colours, section_parts(line, joints, view), strict=True)):
+        for i, (colour, part) in enumerate(
+            zip(colours, section_parts(line, joints, sides, list(factors)), strict=True)
+        ):
             own = _points(part.T, labels[colour], numbers, style.shape)
             parts.append({**own, "line": [style.label] * len(part), "part": [f"{style.label} {i}"] * len(part)})
-        lowest = line.lowest_point.sel(component=view).values
+        lowest = line.lowest_point.sel(component=sides).values * factors
         for words, place in [*(("joint", joint) for joint in joints[:-1]), ("lowest point", lowest)]:
             marks.append({**_points(place[:, None], words, numbers, style.shape)})
     choice, opacity = fading()
@@ -217,12 +230,9 @@ def _sections(
     return [line.add_params(choice), point], {"rows": joined(parts), "marks": joined(marks)}
 
 
-def _elements(line: xr.Dataset, settings: dict[str, Any], numbers: xr.DataArray, shape: Shape) -> dict[str, Columns]:
-    view = list(settings["view"])
-    rest = line.profile.sel(component=view).transpose("node", "component").values
-    places = line.snapshots.sel(component=view).transpose("phase", "node", "component").values
-    places = rest + settings["magnify"] * (places - rest)
-    tension = line.snapshot_tension.transpose("phase", "node").values / NEWTONS_PER_KILONEWTON
+def _elements(motion: Motion, number: int) -> dict[str, Columns]:
+    """The elements of a line at every phase, and the line at rest."""
+    rest, places, tension = motion
     phases, elements = places.shape[0], places.shape[1] - 1
     return {
         "rows": {
@@ -233,7 +243,7 @@ def _elements(line: xr.Dataset, settings: dict[str, Any], numbers: xr.DataArray,
             "tension": column(0.5 * (tension[:, :-1] + tension[:, 1:]), 4),
             "moment": np.repeat(np.arange(1, phases + 1), elements).tolist(),
             "phase": column(np.repeat(np.arange(phases) / phases, elements), 4),
-            "scenario": [int(numbers.isel(shape.position).item())] * (phases * elements),
+            "scenario": [number] * (phases * elements),
         },
         "rest": {"x": column(rest[:, 0]), "y": column(rest[:, 1]), "node": list(range(len(rest)))},
     }

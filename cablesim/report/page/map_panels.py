@@ -10,11 +10,10 @@ import xarray as xr
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.database.reading import evaluate, of_method, of_only_method, select, status_words
-from cablesim.report.drawing import cell_edges, word
+from cablesim.database.reading import of_method, of_only_method, select, status_words
+from cablesim.report.drawing import cell_edges, evaluated, word
 from cablesim.report.page.columns import Columns, Grid, column
 from cablesim.report.page.panel import GREY, Panel, log_format, rows, scale, scenario_numbers
-from cablesim.report.page.sides import side
 from cablesim.report.status_maps import COLOURS
 from cablesim.status import Status
 
@@ -39,19 +38,19 @@ def map_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]
     """One panel: the value as a colour; grey where there is none."""
     settings = figure.settings
     chosen = dataset.isel(settings["position"])
-    value = evaluate(chosen, settings["value"])
+    value = evaluated(chosen, settings["value"], figure.label("value"))
     if "where" in settings:
         value = value.where(select(chosen, settings["where"]))
     if "value" in settings["log"]:
         value = value.where(value > 0.0)
-    sides = _sides(chosen, settings)
+    sides = _sides(chosen, figure)
     cells = _cells(of_only_method(value), sides)
-    title = settings.get("label", settings["value"])
+    title = figure.label("value").plain
     shades = _shades(cells, title, "value" in settings["log"])
     colour = alt.condition("!isValid(datum.value)", alt.value(GREY), shades)
-    tooltip = [*_place(settings), alt.Tooltip("value:Q", title=title, format=".4~g")]
+    tooltip = [*_place(figure), alt.Tooltip("value:Q", title=title, format=".4~g")]
     data = _grid(scenario_numbers(dataset).isel(settings["position"]), sides, {"value": column(cells)})
-    return [Panel(_rectangles(settings, sides, colour, tooltip), {"rows": data})]
+    return [Panel(_rectangles(figure, sides, colour, tooltip), {"rows": data})]
 
 
 def status_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
@@ -61,15 +60,15 @@ def status_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pan
     numbers = scenario_numbers(dataset).isel(settings["position"])
     fates = {method: of_method(chosen.status, method) for method in settings["methods"]}
     colour = _fate_colours(fates, status_words(dataset))
-    sides = _sides(chosen, settings)
+    sides = _sides(chosen, figure)
     words = np.array([word(name) for name in status_words(dataset)])
     grids = {
         method: _grid(numbers, sides, {"status": words[_cells(fate, sides).astype(int)].ravel().tolist()})
         for method, fate in fates.items()
     }
     if len(sides) == 1:
-        return [_fates_in_rows(grids, colour, settings)]
-    chart = _rectangles(settings, sides, colour, [*_place(settings), alt.Tooltip("status:N")])
+        return [_fates_in_rows(grids, colour, figure)]
+    chart = _rectangles(figure, sides, colour, [*_place(figure), alt.Tooltip("status:N")])
     return [Panel(chart, {"rows": grid}, word(method), PANEL_HEIGHT) for method, grid in grids.items()]
 
 
@@ -81,23 +80,23 @@ def _fate_colours(fates: dict[str, xr.DataArray], words: tuple[str, ...]) -> Any
     return alt.Color("status:N", sort=None, scale=shades, legend=legend)
 
 
-def _fates_in_rows(grids: dict[str, Grid], colour: Any, settings: dict[str, Any]) -> Panel:
+def _fates_in_rows(grids: dict[str, Grid], colour: Any, figure: Figure) -> Panel:
     """A row of cells for each method."""
     fates = [fate for grid in grids.values() for fate in grid["cells"]["status"]]
     along = next(iter(grids.values()))["along"]
     grid = {"along": along, "up": {"method": [word(method) for method in grids]}, "cells": {"status": fates}}
     chart = _marks().encode(
-        x=_edge(settings, "x", along),
+        x=_edge(figure, "x", along),
         x2="x2",
         y=alt.Y("method:N", sort=None, title=None),
         color=colour,
-        tooltip=[alt.Tooltip("x:Q", title=side(settings, "x"), format="~g"), "method:N", "status:N"],
+        tooltip=[alt.Tooltip("x:Q", title=figure.label("x").plain, format="~g"), "method:N", "status:N"],
     )
     return Panel(chart, {"rows": grid}, height=ROW_HEIGHT * len(grids))
 
 
-def _rectangles(settings: dict[str, Any], sides: list[Side], colour: Any, tooltip: list[Any]) -> Any:
-    channels = {name: _edge(settings, name, one.columns) for name, one in zip("xy", sides, strict=True)}
+def _rectangles(figure: Figure, sides: list[Side], colour: Any, tooltip: list[Any]) -> Any:
+    channels = {name: _edge(figure, name, one.columns) for name, one in zip("xy", sides, strict=True)}
     return _marks().encode(x2="x2", y2="y2", color=colour, tooltip=tooltip, **channels)
 
 
@@ -108,20 +107,21 @@ def _marks() -> Any:
     return rows().mark_rect(strokeWidth=2, cursor="pointer", invalid="show").encode(stroke=edge).add_params(picked)
 
 
-def _edge(settings: dict[str, Any], name: str, columns: Columns) -> Any:
+def _edge(figure: Figure, name: str, columns: Columns) -> Any:
     channel = alt.X if name == "x" else alt.Y
     return channel(
-        f"{name}1:Q", title=side(settings, name), **scale(columns[name], name in settings["log"], nice=False)
+        f"{name}1:Q", title=figure.label(name).plain, **scale(columns[name], name in figure.settings["log"], nice=False)
     )
 
 
-def _place(settings: dict[str, Any]) -> list[Any]:
-    return [alt.Tooltip(f"{name}:Q", title=side(settings, name), format="~g") for name in ("x", "y")]
+def _place(figure: Figure) -> list[Any]:
+    return [alt.Tooltip(f"{name}:Q", title=figure.label(name).plain, format="~g") for name in ("x", "y")]
 
 
-def _sides(dataset: xr.Dataset, settings: dict[str, Any]) -> list[Side]:
+def _sides(dataset: xr.Dataset, figure: Figure) -> list[Side]:
     """What runs along and, if anything does, up: thin enough for a page."""
-    sides = {name: evaluate(dataset, settings[name]) for name in ("x", "y") if name in settings}
+    settings = figure.settings
+    sides = {name: evaluated(dataset, settings[name], figure.label(name)) for name in "xy" if name in settings}
     step = math.ceil((math.prod(values.size for values in sides.values()) / MOST_CELLS) ** (1 / len(sides)))
     return [_side(name, values, step, name in settings["log"]) for name, values in sides.items()]
 

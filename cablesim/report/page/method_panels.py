@@ -36,22 +36,27 @@ def convergence_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> lis
     for name, one in found.items():
         if against not in (one.series.option, RUN_TIME):
             continue
-        x = one.run_times if against == RUN_TIME else np.array(one.series.values)
+        x = one.run_times * figure.label("x").factor if against == RUN_TIME else np.array(one.series.values)
         label = f"{word(name)}: order {one.order:.2f}"
         methods = [method.name for method in one.series.methods]
-        parts.append({"x": column(x), "y": column(one.errors), "series": [label] * len(x), "method": methods})
-    title = "run time a scenario [s]" if against == RUN_TIME else word(against)
-    y_title = settings.get("y_label", f"largest relative error of {word(output)}")
-    return [_log_lines(joined(parts), settings.get("x_label", title), y_title)]
+        parts.append(
+            {
+                "x": column(x),
+                "y": column(one.errors * figure.label("y").factor),
+                "series": [label] * len(x),
+                "method": methods,
+            }
+        )
+    return [_log_lines(joined(parts), figure)]
 
 
-def _log_lines(data: Columns, x_title: str, y_title: str) -> Panel:
+def _log_lines(data: Columns, figure: Figure) -> Panel:
     names = list(dict.fromkeys(data["series"]))
     choice, opacity = fading()
     line = rows().mark_line(point=True, strokeWidth=1.6)
     chart = line.encode(
-        x=alt.X("x:Q", title=x_title, scale=LOGARITHMIC),
-        y=alt.Y("y:Q", title=y_title, scale=LOGARITHMIC, axis=alt.Axis(format="~e")),
+        x=alt.X("x:Q", title=figure.label("x").plain, scale=LOGARITHMIC),
+        y=alt.Y("y:Q", title=figure.label("y").plain, scale=LOGARITHMIC, axis=alt.Axis(format="~e")),
         color=coloured(names),
         strokeDash=dashed(names, [DASHES[i % len(DASHES)] for i in range(len(names))]),
         opacity=opacity,
@@ -67,9 +72,8 @@ def precision_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[
     data = joined(parts) if parts else {"x": [], "y": [], "series": []}
     names = list(dict.fromkeys(data["series"]))
     choice, opacity = fading()
-    x = alt.X("x:Q", title="run time a scenario [s]", scale=LOGARITHMIC, axis=alt.Axis(format="~e"))
-    y_title = f"largest relative error of {word(found.output)}"
-    y = alt.Y("y:Q", title=y_title, scale=LOGARITHMIC, axis=alt.Axis(format="~e"))
+    x = alt.X("x:Q", title=figure.label("x").plain, scale=LOGARITHMIC, axis=alt.Axis(format="~e"))
+    y = alt.Y("y:Q", title=figure.label("y").plain, scale=LOGARITHMIC, axis=alt.Axis(format="~e"))
     legend = alt.Legend(title=None)
     shades = alt.Scale(domain=names, range=[PALETTE[i % len(PALETTE)] for i in range(len(names))])
     colour = alt.Color("series:N", sort=None, scale=shades, legend=legend)

@@ -8,7 +8,7 @@ import altair as alt
 import numpy as np
 import xarray as xr
 
-from cablesim.config.figure_file import Points
+from cablesim.config.figure_file import Figure
 from cablesim.report.drawing import PALETTE, Styled
 from cablesim.report.page.columns import Columns, Grid, column
 
@@ -102,12 +102,13 @@ def joined(parts: list[Columns]) -> Columns:
     return {name: [value for part in parts for value in part[name]] for name in parts[0]}
 
 
-def printed_points(points: Points | None) -> Columns:
+def printed_points(figure: Figure) -> Columns:
     """The points of a printed table, a series for each of its formulas."""
+    points = figure.settings["points"]
     if points is None:
         return {"x": [], "y": [], "series": []}
-    x = points.table.evaluate(points.x)
-    found = {label: points.table.evaluate(formula) for label, formula in points.y.items()}
+    x = points.table.evaluate(points.x) * figure.label("x").factor
+    found = {label: points.table.evaluate(formula) * figure.label("y").factor for label, formula in points.y.items()}
     return {
         "x": column(np.tile(x, len(found))),
         "y": column(np.concatenate(list(found.values()))),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from cablesim import units
 from cablesim.config.method import Method
 from cablesim.config.scene import Scene
 from cablesim.database.reading import flag_words, status_words, with_components
@@ -73,7 +74,7 @@ def _output(name: str, values: xr.DataArray) -> dict[str, Any]:
 
 def _unit(name: str) -> str:
     """The unit as it is shown; none for a plain number or a check of the scene's own."""
-    return quantity(name).shown_unit if name in QUANTITIES and quantity(name).unit != "1" else ""
+    return units.shown(quantity(name).unit) if name in QUANTITIES else ""
 
 
 def _by_method(values: xr.DataArray, write: Any) -> list[Any]:
