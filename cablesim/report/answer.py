@@ -31,8 +31,9 @@ if TYPE_CHECKING:
     from lark import Tree
 
 NO_VALUE = "-"
-# Of a number without a format.
-DIGITS = ".3g"
+# Of numbers without a format: whole ones, and others.
+WHOLE, DIGITS = "d", ".3g"
+LARGEST_WHOLE = 1e15
 
 
 def answer(scene: Scene, dataset: xr.Dataset) -> str:
@@ -60,11 +61,13 @@ def _told(part: Placeholder, dataset: xr.Dataset, lookup: Lookup, functions: dic
     if isinstance(term.values, str):
         return term.values
     number = float(term.values) / (unit_factor(part.unit, term.unit) if part.unit else 1.0)
-    return f"{_written(number, part.number or DIGITS)} {part.unit}".strip() if math.isfinite(number) else NO_VALUE
+    return f"{_written(number, part.number)} {part.unit}".strip() if math.isfinite(number) else NO_VALUE
 
 
 def _written(number: float, format: str) -> str:
-    """A number in a format of Python's; zero has no sign."""
+    """A number in a format of Python's, or in as many digits as it has; zero has no sign."""
+    if not format:
+        format = WHOLE if number.is_integer() and abs(number) < LARGEST_WHOLE else DIGITS
     text = f"{round(number):{format}}" if format.endswith("d") else f"{number:{format}}"
     return text if re.search("[1-9]", text) else text.lstrip("-")
 
