@@ -16,6 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from cablesim.config.answer_file import ADVICE, ALL_CELLS, CELLS, ORDER, SCENARIOS, Placeholder, unit_factor, words
+from cablesim.config.document import read_text
 from cablesim.config.scene import Scene
 from cablesim.database.reading import name_is_unknown, scene_lookup, status_words, with_components
 from cablesim.expressions import BARE, WORDS, Evaluation, Function, Lookup, Term, UnknownName, parse
@@ -47,10 +48,21 @@ def answer(scene: Scene, dataset: xr.Dataset) -> str:
     )
 
 
+def answer_path(folder: Path, scene: str) -> Path:
+    """Where the answer of a scene is written, among its tables."""
+    return folder / f"{scene}_answer.md"
+
+
+def written_answer(folder: Path, scene: str) -> str:
+    """The answer of a scene as it was written last; empty where it was not."""
+    path = answer_path(folder, scene)
+    return read_text(path).strip().rpartition("\n\n")[2] if path.is_file() else ""
+
+
 def write_answer(folder: Path, scene: Scene, dataset: xr.Dataset) -> None:
     """Write title, question and answer as Markdown."""
     question = f"{scene.question}\n\n" if scene.question else ""
-    write_text(folder / f"{scene.name}_answer.md", f"# {scene.title}\n\n{question}{answer(scene, dataset)}\n")
+    write_text(answer_path(folder, scene.name), f"# {scene.title}\n\n{question}{answer(scene, dataset)}\n")
 
 
 def _told(part: Placeholder, dataset: xr.Dataset, lookup: Lookup, functions: dict[str, Function]) -> str:
@@ -106,11 +118,12 @@ def _order(scene: Scene, dataset: xr.Dataset, evaluation: Evaluation, arguments:
 
 
 def _sentences(scene: Scene, dataset: xr.Dataset) -> Iterator[str]:
-    """What can be said of any scene."""
-    yield _fates(dataset)
+    """What can be said of any scene; of one whose methods are timed, which to use."""
     if scene.work_precision:
         yield advice(scene, dataset)
-    elif scene.reference:
+        return
+    yield _fates(dataset)
+    if scene.reference:
         yield from _errors(error_table(scene, dataset), scene.reference.name)
     for line in check_lines(scene, dataset):
         yield f"Check {line}."
