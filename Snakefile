@@ -16,7 +16,7 @@ study = plan_study(
 )
 
 # What takes the whole machine comes first; then what makes results of what is solved; then solving, the longest first,
-# so that no core is left with a long job at the end; and last the catalogue, which nothing waits for.
+# so that no core is left with a long job at the end; and last catalogue and page, which nothing waits for.
 ALONE, SOON, LAST = 1e9, 1e6, -1
 
 
@@ -29,6 +29,7 @@ rule all:
     default_target: True
     input:
         study.catalogue_stamp,
+        study.report_stamp,
         [scene.solved for scene in study.scenes],
         [
             scene.stamp(step)
@@ -39,4 +40,4 @@ rule all:
 
 include: "workflow/rules/solve.smk"
 include: "workflow/rules/scene.smk"
-include: "workflow/rules/catalogue.smk"
+include: "workflow/rules/study.smk"

@@ -457,6 +457,18 @@ def step_catalogue(results: Path, stamp: Path | None) -> None:
     steps.catalogue(Layout(results), stamp)
 
 
+@step.command("report")
+@click.argument("config", type=click.Path(path_type=Path))
+@click.argument("results", type=click.Path(path_type=Path))
+@click.option("--stamp", type=click.Path(path_type=Path), help="A file to write when the step is done.")
+def step_report(config: Path, results: Path, stamp: Path | None) -> None:
+    """Write the page of the scenes of CONFIG, a study or a scene, in RESULTS."""
+    from cablesim import steps
+    from cablesim.study import Layout, read_any
+
+    steps.report(Layout(results), read_any(config)[1], stamp)
+
+
 def _scene_step(name: str, help_text: str) -> None:
     """A step that takes a scene file and a results folder, and leaves a stamp when it is done."""
 

@@ -7,7 +7,7 @@ its own, which is to have one thread from its start.
 import hashlib
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from cablesim.config.scene import Scene
@@ -148,8 +148,8 @@ def figures(scene: Scene, layout: Layout) -> None:
     draw_figures(scene, read_dataset(layout.dataset(scene.name)), layout.figures)
 
 
-# The step that is of the whole study, and what stands for a scene in the name of its stamp.
-STUDY, CATALOGUE = "study", "catalogue"
+# The steps that are of the whole study, and what stands for a scene in the names of their stamps.
+STUDY, CATALOGUE, REPORT = "study", "catalogue", "report"
 
 
 def catalogue(layout: Layout, stamp: Path | None = None) -> None:
@@ -157,6 +157,13 @@ def catalogue(layout: Layout, stamp: Path | None = None) -> None:
     from cablesim.database.catalogue import write_catalogue
 
     _leave(stamp, layout.stamps(STUDY, CATALOGUE), lambda: write_catalogue(layout.root))
+
+
+def report(layout: Layout, scenes: Sequence[Scene], stamp: Path | None = None) -> None:
+    """Write the page of a folder of results: these scenes first, then all others that are there."""
+    from cablesim.report.page.write import write_page
+
+    _leave(stamp, layout.stamps(STUDY, REPORT), lambda: write_page(layout, scenes))
 
 
 SCENE_STEPS: dict[str, Callable[[Scene, Layout], None]] = {
@@ -183,6 +190,7 @@ def run_scene(scene: Scene, layout: Layout, progress: Progress) -> tuple[ScenePl
         progress(name, done, len(SCENE_STEPS))
         run_step(name, scene, layout)
     catalogue(layout)
+    report(layout, [scene])
     return plan, computed
 
 

@@ -45,6 +45,19 @@ class Layout:
     def figures(self) -> Path:
         return self.root / "figures"
 
+    @property
+    def page(self) -> Path:
+        """The page of the study, for a browser."""
+        return self.root / "report.html"
+
+    def page_part(self, scene: str) -> Path:
+        """What the page says of a scene."""
+        return self.root / "report" / f"{scene}.json"
+
+    def page_parts(self) -> list[Path]:
+        """The parts of all scenes."""
+        return sorted((self.root / "report").glob("*.json"))
+
     def stamp(self, scene: str, step: str, digest: str) -> Path:
         """The file that says a step was done for this content of the scene."""
         return self.root / "stamps" / f"{scene}.{step}.{digest}"

@@ -11,8 +11,9 @@ from cablesim.files import check, discard, holds_good
 from cablesim.fitting import refuse_vast
 from cablesim.held import hold_for_good
 from cablesim.plan import ScenePlan
+from cablesim.report.page.digest import page_digest
 from cablesim.sources import code_digest
-from cablesim.steps import CATALOGUE, STUDY, sample, timings_path
+from cablesim.steps import CATALOGUE, REPORT, STUDY, sample, timings_path
 from cablesim.study import Layout, read_study
 
 # The modules that write the files of a step: editing them, or what they import, makes these files out of date.
@@ -99,6 +100,7 @@ class PlannedScene:
 class PlannedStudy:
     """A study with all its scenes planned."""
 
+    config: str
     results: str
     scenes: tuple[PlannedScene, ...]
     python: str = sys.executable
@@ -109,11 +111,24 @@ class PlannedStudy:
     @property
     def catalogue_stamp(self) -> str:
         """The stamp of the catalogue, named by what was collected."""
-        content = " ".join(
-            [code_digest(("database/catalogue",), STEP_PARTS), *(s.stamp("collect") for s in self.scenes)]
-        )
+        return self._stamp(CATALOGUE, code_digest(("database/catalogue",), STEP_PARTS), "collect")
+
+    @property
+    def report_stamp(self) -> str:
+        """The stamp of the page, named by the tables, and so the datasets, that it shows."""
+        return self._stamp(REPORT, page_digest(), "summarise")
+
+    def _stamp(self, step: str, code: str, made_from: str) -> str:
+        content = " ".join([code, *(scene.stamp(made_from) for scene in self.scenes)])
         digest = hashlib.sha256(content.encode()).hexdigest()[:16]
-        return str(Layout(Path(self.results)).stamp(STUDY, CATALOGUE, digest))
+        return str(Layout(Path(self.results)).stamp(STUDY, step, digest))
+
+    def forget_lost_files(self) -> None:
+        """Stamps of the whole study go where the files of a scene are to be made again, or theirs are lost."""
+        for stamp, made_from in ((self.catalogue_stamp, "collect"), (self.report_stamp, "summarise")):
+            made = all(Path(scene.stamp(made_from)).exists() for scene in self.scenes)
+            if not made or not holds_good(Path(stamp)):
+                Path(stamp).unlink(missing_ok=True)
 
 
 # The studies whose results this process holds, by their configuration: they are planned once.
@@ -146,13 +161,11 @@ def _plan_study(config: Path, checking: bool, holding: bool) -> PlannedStudy:
     if holding:
         hold_for_good(layout.root)
     scenes = tuple(PlannedScene(scene, layout, sample(scene, layout)) for scene in read)
-    planned = PlannedStudy(str(layout.root), scenes)
+    planned = PlannedStudy(str(config), str(layout.root), scenes)
     if checking:
         for scene in scenes:
             _forget_lost_files(scene)
-        collected = all(Path(scene.stamp("collect")).exists() for scene in scenes)
-        if not collected or not holds_good(Path(planned.catalogue_stamp)):
-            Path(planned.catalogue_stamp).unlink(missing_ok=True)
+        planned.forget_lost_files()
     return planned
 
 

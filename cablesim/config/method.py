@@ -31,6 +31,12 @@ class Method:
         return self.solver.make_options(self.options)
 
     @property
+    def changed_options(self) -> dict[str, Any]:
+        """The options in which it differs from its solver's defaults."""
+        defaults = {name: spec.default for name, spec in self.solver.options.items()}
+        return {name: value for name, value in self.options.items() if value != defaults[name]}
+
+    @property
     def sizes(self) -> dict[str, int]:
         """The lengths of its outputs' own dimensions."""
         return self.solver.sizes(self.made_options)

@@ -3,6 +3,7 @@
 import math
 import textwrap
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
@@ -50,19 +51,43 @@ def legend(axes: Any) -> None:
         axes.legend()
 
 
+@dataclass(frozen=True)
+class Styled:
+    """A curve: one scenario of one method, how it is called, and the numbers of its colour and its dashes."""
+
+    shape: Shape
+    method: str
+    label: str
+    colour: int
+    dashes: int
+
+    def line(self, dataset: xr.Dataset) -> xr.Dataset:
+        """Its scenario."""
+        return dataset.isel(self.shape.position).sel({"method": self.method}, drop=True)
+
+
+def styled(shapes: list[Shape], methods: tuple[str, ...]) -> list[Styled]:
+    """The curves of a panel. Scenarios differ in colour, methods in dashes, and in colour where that is free."""
+    return [
+        Styled(
+            shape,
+            method,
+            ", ".join([shape.label] * bool(shape.label) + [method] * (len(methods) > 1 or not shape.label)),
+            (i if len(shapes) > 1 else j) % len(PALETTE),
+            j % len(DASHES),
+        )
+        for i, shape in enumerate(shapes)
+        for j, method in enumerate(methods)
+    ]
+
+
 def curves(
     dataset: xr.Dataset, shapes: list[Shape], methods: tuple[str, ...]
 ) -> Iterator[tuple[xr.Dataset, dict[str, Any]]]:
-    """One scenario of one method for each curve, and how it is drawn.
-
-    Scenarios differ in colour, methods in dashes, and in colour where that is free.
-    """
-    for i, shape in enumerate(shapes):
-        for j, method in enumerate(methods):
-            label = ", ".join([shape.label] * bool(shape.label) + [method] * (len(methods) > 1 or not shape.label))
-            colour = PALETTE[(i if len(shapes) > 1 else j) % len(PALETTE)]
-            style = {"label": plain(label), "color": colour, "linestyle": DASHES[j % len(DASHES)]}
-            yield dataset.isel(shape.position).sel({"method": method}, drop=True), style
+    """One scenario of one method for each curve, and how it is drawn."""
+    for one in styled(shapes, methods):
+        style = {"label": plain(one.label), "color": PALETTE[one.colour], "linestyle": DASHES[one.dashes]}
+        yield one.line(dataset), style
 
 
 def panel_legend(drawn: Any, panels: Any) -> None:

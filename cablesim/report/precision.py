@@ -205,9 +205,8 @@ def _row(one: Worth, found: WorkAndPrecision) -> dict[str, object]:
 
 
 def changed_options(method: Method) -> str:
-    """The options in which a method differs from its solver's defaults."""
-    defaults = {name: spec.default for name, spec in method.solver.options.items()}
-    return ", ".join(f"{name}={value}" for name, value in method.options.items() if value != defaults[name])
+    """The options in which a method differs from its solver's defaults, in words."""
+    return ", ".join(f"{name}={value}" for name, value in method.changed_options.items())
 
 
 def written_seconds(seconds: float) -> str:

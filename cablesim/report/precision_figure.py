@@ -24,7 +24,7 @@ def draw_work_precision(scene: Scene, dataset: xr.Dataset, figure: Figure) -> An
     found = work_and_precision(scene, dataset)
     drawn, axes = plt.subplots(figsize=WIDE)
     _draw_front(axes, found)
-    for number, (name, members) in enumerate(_groups(scene, found, figure.settings["join"]).items()):
+    for number, (name, members) in enumerate(groups(scene, found, figure.settings["join"]).items()):
         _draw_group(axes, number, name, members)
     for target in TARGETS:
         axes.axhline(target, color="black", linewidth=0.5, linestyle=":", zorder=0)
@@ -39,7 +39,7 @@ def draw_work_precision(scene: Scene, dataset: xr.Dataset, figure: Figure) -> An
     return drawn
 
 
-def _groups(scene: Scene, found: WorkAndPrecision, join: str | None) -> dict[str, list[Worth]]:
+def groups(scene: Scene, found: WorkAndPrecision, join: str | None) -> dict[str, list[Worth]]:
     """Series of methods, then those that stand alone, by their names in the legend; none that solve nothing."""
     known = {one.name: one for one in found.methods if one.solved}
     series = find_series(scene.methods, scene.reference.method if scene.reference else None)

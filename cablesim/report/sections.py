@@ -25,7 +25,7 @@ def draw_sections(axes: Any, dataset: xr.Dataset, shapes: list[Shape], settings:
         line = dataset.isel(shape.position).sel({"method": method}, drop=True)
         joints = line.joint_position.dropna("section").sel(component=view).values
         numbers = settings["colours"].numbers(line.section_weight.values[: len(joints)])
-        for number, part in zip(numbers, _parts(line, joints, view), strict=True):
+        for number, part in zip(numbers, section_parts(line, joints, view), strict=True):
             axes.plot(*part.T, color=PALETTE[number], linestyle=dashes, linewidth=2.0)
         axes.plot(*joints[:-1].T, **JOINT)
         lowest = line.lowest_point.sel(component=view).values
@@ -55,7 +55,7 @@ def _sample(label: str, dashes: Any) -> Line2D:
     return Line2D([], [], color=GREY, linestyle=dashes, label=label)
 
 
-def _parts(line: xr.Dataset, joints: np.ndarray, view: list[str]) -> Iterator[np.ndarray]:
+def section_parts(line: xr.Dataset, joints: np.ndarray, view: list[str]) -> Iterator[np.ndarray]:
     """The points of each section of a line, from joint to joint; shape (point, 2)."""
     nodes, numbers = line.profile.sel(component=view).transpose("node", "component").values, line.profile_section.values
     start = nodes[:1]

@@ -33,7 +33,7 @@ def draw_profiles(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     used, spare = grid.flat[: len(panels)], grid.flat[len(panels) :]
     for axes, (heading, shapes) in zip(used, panels, strict=True):
         _draw_panel(axes, dataset, shapes, settings)
-        stretch = settings["stretch"] or _own_stretch(axes)
+        stretch = settings["stretch"] or own_stretch(axes.dataLim.width, axes.dataLim.height)
         axes.set_aspect(stretch, adjustable="box" if shared and len(panels) > 1 else "datalim")
         axes.set_title(heading, fontsize=10)
         if not shared:
@@ -63,9 +63,8 @@ def _label_panels(drawn: Any, grid: Any, settings: dict[str, Any]) -> None:
         grid[0][0].set(ylabel=y_label)
 
 
-def _own_stretch(axes: Any) -> float:
+def own_stretch(width: float, height: float) -> float:
     """The largest of 1, 2, 5, 10, ... by which heights may be stretched so that the panel stays flat."""
-    width, height = axes.dataLim.width, axes.dataLim.height
     if not (width > 0.0 and height > 0.0):
         return 1.0
     wanted = max(1.0, FLATTEST * width / height)
