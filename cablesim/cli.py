@@ -132,6 +132,7 @@ def run(scene: Path, out: Path | None) -> int:
     """Run a SCENE without Snakemake; the same files result."""
     from cablesim.config.scene import read_scene
     from cablesim.held import held
+    from cablesim.report.answer import written_answer
     from cablesim.steps import run_scene
     from cablesim.study import Layout
 
@@ -140,7 +141,9 @@ def run(scene: Path, out: Path | None) -> int:
     with held(layout.root):
         plan, computed = run_scene(read, layout, _progress)
     click.echo(f"{computed} scenarios computed, {plan.scenarios - computed} were there", err=True)
-    return _tell_fates(read, layout.dataset(read.name))
+    code = _tell_fates(read, layout.dataset(read.name))
+    click.echo(written_answer(layout.tables, read.name))
+    return code
 
 
 @cli.command()
@@ -218,10 +221,12 @@ def scenes(results: Path, scene: str | None) -> None:
     A SCENE with `*` or `?` lists those that fit the pattern.
     """
     from cablesim.database.reading import chosen_paths, is_pattern, open_scene, read_dataset, scene_paths
+    from cablesim.report.answer import written_answer
     from cablesim.report.describe import scene_line, scene_table
+    from cablesim.study import Layout
 
     if scene is not None and not is_pattern(scene):
-        click.echo(scene_table(scene, open_scene(results, scene)))
+        click.echo(scene_table(scene, open_scene(results, scene), written_answer(Layout(results).tables, scene)))
         return
     faults = []
     for name, path in (scene_paths(results) if scene is None else chosen_paths(results, scene)).items():

@@ -11,9 +11,10 @@ Words are compared with `==` and `!=`: `status == infeasible`, `method != exact`
 
 import operator
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, reduce
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -84,6 +85,9 @@ class Term:
 
 
 Lookup = Callable[[str], Term | None]
+# A function that is given its arguments unread, with what reads them.
+Function = Callable[["Evaluation", tuple["Tree", ...]], Term]
+NO_FUNCTIONS: Mapping[str, Function] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -110,7 +114,7 @@ class Expression:
     @property
     def equality(self) -> "Equality | None":
         """What it says if it is `name == value`."""
-        if self.tree.data != "comparison" or self.tree.children[1] != "==":
+        if not self.is_equality:
             return None
         left, _, right = self.tree.children
         name, value = (left, right) if left.data == "name" else (right, left)
@@ -119,6 +123,11 @@ class Expression:
         unit = _split(value.children[0])[1] if value.data == "value" else ""
         return Equality(str(name.children[0]), float(Expression(self.text, value).evaluate(lambda _: None)), unit)
 
+    @property
+    def is_equality(self) -> bool:
+        """Whether it compares with `==`."""
+        return bool(self.tree.data == "comparison" and self.tree.children[1] == "==")
+
     def evaluate(self, lookup: Lookup) -> Any:
         """The value for every scenario. Raises InputError for an unknown name, a wrong unit or a misused word."""
         return self.term(lookup).values
@@ -126,7 +135,12 @@ class Expression:
     def term(self, lookup: Lookup, checking: bool = False) -> Term:
         """The value and its unit, which is known only if the formula writes one, or if `checking` is asked for."""
         with np.errstate(all="ignore"):
-            return _Evaluation(self, lookup, checking).number(self.tree)
+            return Evaluation(self, lookup, checking).number(self.tree)
+
+    def answer(self, lookup: Lookup, functions: Mapping[str, Function], checking: bool = False) -> Term:
+        """The same with further functions, and it may be a word. Raises InputError for a condition, too."""
+        with np.errstate(all="ignore"):
+            return Evaluation(self, lookup, checking, functions).told(self.tree)
 
     def unit(self, lookup: Lookup) -> str:
         """The unit of its value, "1" for a plain number. Raises InputError where units do not fit each other."""
@@ -137,7 +151,7 @@ class Expression:
     def key(self, lookup: Lookup) -> Term:
         """What scenarios can be ordered by: a value, a label, or whether a condition holds."""
         with np.errstate(all="ignore"):
-            term = _Evaluation(self, lookup).visit(self.tree)
+            term = Evaluation(self, lookup).visit(self.tree)
         if isinstance(term.values, str):
             raise UnknownName(term.values)
         return term
@@ -152,12 +166,12 @@ class Expression:
                 f"'{self.text}' is a value, not a condition: compare it with something (<, <=, ==, !=, >=, >)"
             )
         with np.errstate(all="ignore"):
-            return _Evaluation(self, lookup, checking).visit(self.tree).values
+            return Evaluation(self, lookup, checking).visit(self.tree).values
 
     def known(self, lookup: Lookup) -> Any:
         """True where all numbers that a condition compares are finite, whether or not they decide it."""
         with np.errstate(all="ignore"):
-            sides = [_Evaluation(self, lookup).visit(side) for side in _compared(self.tree)]
+            sides = [Evaluation(self, lookup).visit(side) for side in _compared(self.tree)]
         return reduce(operator.and_, (np.isfinite(side.values) for side in sides if side.unit != WORDS), np.True_)
 
 
@@ -193,11 +207,17 @@ def parse(text: str) -> Expression:
     return Expression(text, tree)
 
 
-class _Evaluation:
+class Evaluation:
     """One walk over a tree. Units are tracked only when one is written: a bare number fits any dimension."""
 
-    def __init__(self, expression: Expression, lookup: Lookup, checking: bool = False):
-        self.text, self.lookup = expression.text, lookup
+    def __init__(
+        self,
+        expression: Expression,
+        lookup: Lookup,
+        checking: bool = False,
+        functions: Mapping[str, Function] = NO_FUNCTIONS,
+    ):
+        self.text, self.lookup, self.functions = expression.text, lookup, functions
         self.checking = checking or any(_split(token)[1] for token in _values(expression.tree))
 
     def visit(self, tree: "Tree") -> Term:
@@ -212,6 +232,28 @@ class _Evaluation:
                 raise UnknownName(term.values)
             raise InputError(f"'{self.text}': a word cannot be used as a number")
         return term
+
+    def told(self, tree: "Tree") -> Term:
+        """A number or a label."""
+        if tree.data == "name":
+            term = self.lookup(str(tree.children[0]))
+            if term is None:
+                raise UnknownName(str(tree.children[0]))
+            return term
+        return self.visit(tree) if tree.data == "call" else self.number(tree)
+
+    def condition(self, tree: "Tree") -> Term:
+        """Whether a condition holds."""
+        if tree.data not in CONDITIONS:
+            raise InputError(f"'{self.text}': a condition is expected here, such as sag > 2 m")
+        return self.visit(tree)
+
+    def word(self, tree: "Tree") -> str:
+        """A word as it is written, whatever it may stand for elsewhere."""
+        if tree.data not in ("name", "word"):
+            raise InputError(f"'{self.text}': a word is expected here")
+        written = str(tree.children[0])
+        return written[1:-1] if tree.data == "word" else written
 
     def _value(self, token: "Token") -> Term:
         number, unit = _split(token)
@@ -233,8 +275,11 @@ class _Evaluation:
 
     def _call(self, function: "Token", *arguments: "Tree") -> Term:
         name = str(function)
+        if name in self.functions:
+            return self.functions[name](self, arguments)
         if name not in FUNCTIONS:
-            raise InputError(f"'{self.text}': unknown function '{name}': {nearest(name, FUNCTIONS)}")
+            known = [*FUNCTIONS, *self.functions]
+            raise InputError(f"'{self.text}': unknown function '{name}': {nearest(name, known)}")
         wanted = 2 if name in _TWO_ARGUMENTS else 1
         if len(arguments) != wanted:
             raise InputError(f"'{self.text}': {name} takes {wanted} argument{'s' * (wanted > 1)}, not {len(arguments)}")
@@ -329,7 +374,7 @@ class _Evaluation:
         return left.unit
 
 
-class _UnitEvaluation(_Evaluation):
+class _UnitEvaluation(Evaluation):
     """The same walk for the unit of a formula: a bare number fits what it is added to, and is plain as a factor."""
 
     def _unit_of_call(self, name: str, terms: list[Term]) -> str:

@@ -108,6 +108,7 @@ def summarise(scene: Scene, layout: Layout) -> None:
     """Write the tables of a scene."""
     from cablesim.database.reading import read_dataset
     from cablesim.report import tables
+    from cablesim.report.answer import write_answer
     from cablesim.report.audit import audit_table
     from cablesim.report.checks import check_table
     from cablesim.report.orders import order_table
@@ -136,6 +137,7 @@ def summarise(scene: Scene, layout: Layout) -> None:
     for name, (table, caption) in made.items():
         tables.write_table(layout.tables, f"{scene.name}_{name}", table, caption)
     write_printed_tables(layout.tables, scene, dataset)
+    write_answer(layout.tables, scene, dataset)
 
 
 def figures(scene: Scene, layout: Layout) -> None:

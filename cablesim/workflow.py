@@ -30,6 +30,7 @@ STEP_MODULES = {
     "collect": ("database/collect",),
     "summarise": (
         "database/collect",
+        "report/answer",
         "report/tables",
         "report/audit",
         "report/checks",
@@ -39,7 +40,7 @@ STEP_MODULES = {
     ),
     "figures": ("database/collect", "report/figures", *LABELS),
 }
-STEP_PARTS = ("database", "report", "expressions", "units", "quantities", "labels", "status")
+STEP_PARTS = ("database", "report", "reductions", "expressions", "units", "quantities", "labels", "status")
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,10 @@ class PlannedScene:
 
     def stamp(self, step: str) -> str:
         """The stamp of a step, named by the plan and by the code that leads to its files."""
-        content = f"{self.shard_plan.digest} {' '.join(self.timings)} {code_digest(STEP_MODULES[step], STEP_PARTS)}"
+        told = self.scene.answer.text if self.scene.answer and step == "summarise" else ""
+        content = (
+            f"{self.shard_plan.digest} {' '.join(self.timings)} {code_digest(STEP_MODULES[step], STEP_PARTS)}{told}"
+        )
         return str(self.layout.stamp(self.name, step, hashlib.sha256(content.encode()).hexdigest()[:16]))
 
 

@@ -1,6 +1,7 @@
 """The default study, computed once as `make study` does: what pages say of it, and what it is known for."""
 
 import doctest
+import re
 import shutil
 import subprocess
 import sys
@@ -10,8 +11,9 @@ import pytest
 
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
+from cablesim.report.answer import NO_VALUE, written_answer
 from cablesim.report.precision import work_and_precision
-from cablesim.study import Layout
+from cablesim.study import Layout, read_study
 from tests.test_published import table
 from tests.write_pages import PAGES, blocks, printed
 
@@ -71,6 +73,33 @@ def test_the_classical_layout_prints_the_values_of_the_literature(default_study)
     # From the angle after the critical one to that before the end of the domain, and nothing at either.
     degrees = printed.loc[(30, 0.025)].index
     assert (degrees.min(), degrees.max(), len(degrees)) == (31, 209, 179)
+
+
+# ---- answers ----
+
+KNOWN = {
+    "limit_ratio": "1.0743387 for the largest tension",
+    "formula_error": "3.32 % too little sag and 4.53 % too little tension",
+    "catenary_factors": "16 follow from no column and are misprints",
+    "towline_alpha": "58 of 61 printed values",
+    "tow_wave_height": "may be 6.7 m high",
+    "weight_play_example": "By 2.612 m",
+    "pode_example": "exact: 31.0646 deg and 208.5557 deg",
+    "pode_table": "are 1.38698, 3.06571, -2.24439 and 1.60605",
+    "extreme_towlines": "13034 of the 13034",
+    "segment_error": "is of order 1.00, its midpoint variant of order 2.00",
+    "paper_claims": "9 in setting 3",
+    "stability_wave": "generalized alpha solves 83",
+}
+SCENE_FILES = read_study(PROJECT / "config" / "config.yaml").scene_paths
+
+
+@pytest.mark.parametrize("name", [path.stem for path in SCENE_FILES])
+def test_every_scene_answers_its_question_with_numbers_that_there_are(name, default_study):
+    text = written_answer(Layout(default_study / "results" / "default").tables, name)
+    assert KNOWN.get(name, "") in text
+    assert re.search(r"[0-9]", text)
+    assert not re.search(rf"(?<!\S){NO_VALUE}(?![\w.])|nan|inf\b", text), text
 
 
 # ---- error against run time ----

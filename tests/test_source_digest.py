@@ -54,6 +54,8 @@ def test_other_solvers_do_not_count(monkeypatch, tmp_path):
         ("report/figures.py", "MOST_CELLS = 600", "MOST_CELLS = 500", {"figures"}),
         ("report/checks.py", "first failed at", "first failed", {"summarise"}),
         ("database/checks.py", "np.argsort(order)", "order", {"collect", "summarise", "figures"}),
+        ("report/answer.py", 'NO_VALUE = "-"', 'NO_VALUE = "?"', {"summarise"}),
+        ("reductions.py", "np.argmax", "np.argmin", {"summarise"}),
         ("report/tables.py", "MARKDOWN_ROWS = 40", "MARKDOWN_ROWS = 50", {"summarise"}),
         ("expressions.py", "EQUAL_WITHIN = 1e-9", "EQUAL_WITHIN = 1e-8", {"collect", "summarise", "figures"}),
         ("database/shard_file.py", "CHUNK = 2**17", "CHUNK = 2**16", {"collect", "summarise", "figures"}),

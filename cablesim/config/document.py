@@ -5,6 +5,8 @@ A `Node` is read by asking it for what is expected; anything else is an InputErr
 """
 
 import errno
+import hashlib
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,6 +52,11 @@ class Node:
             if key not in entries:
                 self.fail(f"missing key '{key}'")
         return entries
+
+    def digest(self, without: tuple[str, ...] = ()) -> str:
+        """Digest of what a mapping says, but for some of its keys; comments and layout do not count."""
+        said = {key: value for key, value in self.value.items() if key not in without}
+        return hashlib.sha256(json.dumps(said, default=str).encode()).hexdigest()
 
     def sequence(self) -> list["Node"]:
         """Its entries; an empty list is an error."""

@@ -17,6 +17,7 @@ from cablesim.quantities import QUANTITIES, quantity
 # Names of the tables that every scene has.
 TAKEN = (
     "errors", "tensions", "values", "status", "effort", "checks", "orders", "audit", "work_precision", "fastest",
+    "answer",
 )  # fmt: skip
 DIGITS = 6
 MOST_DIGITS = 15

@@ -4,10 +4,10 @@ Every name stands for an array that is two long along each of its dimensions and
 dimensions of a formula can be read off the shape of its value. Nothing is solved.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from cablesim import units
 from cablesim.config.table import Table
 from cablesim.design import SCENARIO, Design
 from cablesim.errors import InputError, nearest
-from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
+from cablesim.expressions import BARE, WORDS, Function, Term, UnknownName, parse
 from cablesim.parameters import ParameterSpec
 from cablesim.quantities import (
     LIST,
@@ -36,6 +36,11 @@ KNOWN_UNITS = tuple(dict.fromkeys(row.unit for row in TABLE))
 T = TypeVar("T")
 
 
+def table_axis(table: Table, design: Design) -> str:
+    """The axis along which the rows of a table lie: that of the cases, or the axis that its first column is."""
+    return SCENARIO if design.kind != "grid" else next(iter(table.columns))
+
+
 @dataclass(frozen=True)
 class Rehearsal:
     """What the names of a scene will stand for.
@@ -54,7 +59,7 @@ class Rehearsal:
 
     def number(self, formula: str) -> set[str]:
         """The dimensions along which a formula varies. Raises InputError for an unknown name or a wrong unit."""
-        return self._varies(self._answered(lambda: parse(formula).evaluate(self.lookup)))
+        return self.varies(self._answered(lambda: parse(formula).evaluate(self.lookup)))
 
     def unit(self, formula: str) -> str:
         """The SI unit of a formula, "1" for a plain number. Raises InputError as `number` does."""
@@ -64,13 +69,18 @@ class Rehearsal:
     def condition(self, text: str) -> set[str]:
         """The dimensions along which a condition varies. Raises InputError as `number` does."""
         has_units = any(value.unit != BARE for value in self.values.values())
-        return self._varies(self._answered(lambda: parse(text).select(self.lookup, has_units)))
+        return self.varies(self._answered(lambda: parse(text).select(self.lookup, has_units)))
+
+    def answer(self, formula: str, functions: Mapping[str, Function], checking: bool) -> tuple[Term, set[str]]:
+        """What a formula of an answer gives, and the dimensions along which it varies. Raises as `number` does."""
+        term = self._answered(lambda: parse(formula).answer(self.lookup, functions, checking))
+        return term, self.varies(term.values)
 
     def lookup(self, name: str) -> Term | None:
         """The stand-in for a name; None where it stands for nothing."""
         head, _, tail = name.rpartition(".")
         if head == "table" and self.table is not None and tail in self.table.columns:
-            return Term(self._along((SCENARIO,)), BARE)
+            return self._of_table(tail, self.table)
         if head:
             return self._of_method(tail) if head in self.methods else None
         if name in self.values:
@@ -99,6 +109,38 @@ class Rehearsal:
                 return Term(self._words((axis.name,), words), WORDS, words)
         return self._parameter(name, ()) if name in self.fixed else None
 
+    def coordinate(self, axis: str, name: str) -> Term | None:
+        """What a name stands for along one axis, or along the methods, for real; None where that is nothing."""
+        if axis == METHOD:
+            return Term(np.array(self.methods), WORDS, self.methods) if name == METHOD else None
+        head, _, tail = name.rpartition(".")
+        points = next(one for one in self.design.axes if one.name == axis)
+        if head == "table" and self.table is not None and tail in self.table.columns:
+            rows = points.labels.get("row")
+            return self.table.term(tail, rows) if rows is not None else None
+        if name in points.columns:
+            words = self.parameters[name].words
+            values = points.columns[name]
+            return (
+                Term(np.array(words)[values.astype(int)], WORDS, words) if words else Term(values, quantity(name).unit)
+            )
+        if name == axis:
+            return Term(np.arange(points.size), BARE)
+        labels = points.labels.get(name)
+        if labels is None:
+            return None
+        return Term(labels, BARE) if labels.dtype.kind == "i" else Term(labels, WORDS, tuple(np.unique(labels)))
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """The number of methods, and of points along each axis."""
+        return {METHOD: len(self.methods), **{axis.name: axis.size for axis in self.design.axes}}
+
+    @property
+    def scenario_dims(self) -> set[str]:
+        """Methods and axes."""
+        return set(self.sizes)
+
     @cached_property
     def sections(self) -> int:
         """The largest number of sections of a line."""
@@ -121,6 +163,13 @@ class Rehearsal:
     @property
     def _dims(self) -> tuple[str, ...]:
         return (*self._scenario_dims, *OWN_DIMS)
+
+    def _of_table(self, column: str, table: Table) -> Term:
+        dims = (table_axis(table, self.design),)
+        if self.design.kind == "grid":
+            table.numbers(column)
+        words = table.words(column)
+        return self._flags(dims, words) if words else Term(self._along(dims), BARE)
 
     def _along_list(self, name: str) -> tuple[str, ...]:
         """The axes along which any section of a list varies."""
@@ -150,7 +199,8 @@ class Rehearsal:
     def _words(self, dims: tuple[str, ...], words: tuple[str, ...]) -> np.ndarray:
         return np.full([2 if dim in dims else 1 for dim in self._dims], words[0])
 
-    def _varies(self, value: np.ndarray) -> set[str]:
+    def varies(self, value: Any) -> set[str]:
+        """The dimensions along which a stand-in varies."""
         shape = np.shape(value)
         return {dim for dim, size in zip(self._dims, shape, strict=True) if size > 1} if shape else set()
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cablesim.config.answer_file import Answer, read_answer
 from cablesim.config.check_file import Check, read_checks
 from cablesim.config.design_file import Specs, check_values, read_design, read_values
 from cablesim.config.document import Node, is_name, read_document
@@ -61,12 +62,17 @@ class Reference:
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene file, read and checked. Words are held by their position, as `parameters` declares them."""
+    """A scene file, read and checked. Words are held by their position, as `parameters` declares them.
+
+    `content` is the digest of all that the file says, but for its answer, which decides nothing that is stored.
+    """
 
     name: str
     path: Path
+    content: str
     title: str
     question: str
+    answer: Answer | None
     design: Design
     fixed: dict[str, float]
     parameters: Specs
@@ -92,8 +98,8 @@ class Scene:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of the scene file and the tables it names."""
-        digest = hashlib.sha256(self.path.read_bytes())
+        """Digest of what the scene file says, but for its answer, and of the tables it names."""
+        digest = hashlib.sha256(self.content.encode())
         for table in self.tables:
             digest.update(table.digest.encode())
         return digest.hexdigest()[:16]
@@ -105,7 +111,17 @@ def read_scene(path: Path) -> Scene:
         raise InputError(f"{path}: a scene file is named like formula_error.yaml (letters, digits, underscores)")
     root = read_document(path)
     required = ("title", "design", "methods", "outputs")
-    optional = ("question", "fixed", "checks", "reference", "published", "figures", "tables", "work_precision")
+    optional = (
+        "question",
+        "answer",
+        "fixed",
+        "checks",
+        "reference",
+        "published",
+        "figures",
+        "tables",
+        "work_precision",
+    )
     keys = root.mapping(required, optional)
     methods = _read_methods(keys["methods"])
     parameters = _parameters(keys["methods"], methods)
@@ -126,6 +142,9 @@ def read_scene(path: Path) -> Scene:
     stage = Stage(names, methods, reference.method if reference else None, points, published is not None, timed)
     figures = read_figures(keys["figures"], stage) if "figures" in keys else ()
     printed = read_printed_tables(keys["tables"], names) if "tables" in keys else ()
+    flags = (AGREES, ROUNDED_KEY, published.off) if published else ()
+    source = points or next((layout.source for layout in printed if layout.source), None) or next(iter(tables), None)
+    answer = read_answer(keys["answer"], stage, source, flags) if "answer" in keys else None
     used = [
         *tables,
         *(item.table for item in (reference, published) if item is not None and item.table is not None),
@@ -135,8 +154,10 @@ def read_scene(path: Path) -> Scene:
     return Scene(
         name=path.stem,
         path=path,
+        content=root.digest(without=("answer",)),
         title=keys["title"].text(),
         question=keys["question"].text() if "question" in keys else "",
+        answer=answer,
         design=design,
         fixed=fixed,
         parameters=parameters,

@@ -12,7 +12,7 @@ import numpy as np
 from cablesim import units
 from cablesim.config.document import Node, read_text
 from cablesim.errors import InputError, nearest
-from cablesim.expressions import BARE, Term, UnknownName, parse
+from cablesim.expressions import BARE, WORDS, Term, UnknownName, parse
 
 LARGEST_TABLE = 200_000_000
 _CELL = re.compile(units.NUMBER)
@@ -50,6 +50,21 @@ class Table:
             cells = enumerate(self.columns[column])
             self._numbers[column] = scale * np.array([self._number(column, row, cell) for row, cell in cells])
         return self._numbers[column]
+
+    def words(self, column: str) -> tuple[str, ...]:
+        """The different cells of a column that has others than numbers; none for a column of numbers."""
+        cells = self.columns[column]
+        numeric = all(not cell.strip() or _CELL.fullmatch(cell) for cell in cells)
+        return () if numeric else tuple(dict.fromkeys(cells))
+
+    def term(self, column: str, rows: np.ndarray) -> Term:
+        """What a column has in some rows: numbers, or words."""
+        words = self.words(column) if column in self.columns else ()
+        return (
+            Term(np.array(self.columns[column])[rows], WORDS, words)
+            if words
+            else Term(self.numbers(column)[rows], BARE)
+        )
 
     def evaluate(self, formula: str, unit: str = BARE) -> np.ndarray:
         """A formula over the columns, one value a row.

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -212,7 +213,7 @@ def scene_lookup(dataset: xr.Dataset, table: Table | None = None) -> Lookup:
     def lookup(name: str) -> Term | None:
         head, _, tail = name.rpartition(".")
         if head == "table" and table is not None:
-            return Term(xr.DataArray(table.numbers(tail)[dataset.row.values], dims="scenario"), BARE)
+            return _of_table(dataset, table, tail)
         if head:
             return _of_method(dataset, head, tail)
         if name not in dataset.variables:
@@ -253,6 +254,29 @@ def _of_method(dataset: xr.Dataset, method: str, name: str) -> Term | None:
     if method not in dataset.method.values or name not in dataset.variables or "method" not in dataset[name].dims:
         return None
     return _term(of_method(dataset[name], method))
+
+
+def _of_table(dataset: xr.Dataset, table: Table, column: str) -> Term:
+    """A column by scenario: of cases by their row, of a grid along the axis that the first column is, NaN elsewhere."""
+    if "row" in dataset.variables:
+        term = table.term(column, dataset.row.values)
+        return replace(term, values=xr.DataArray(term.values, dims="scenario"))
+    axis = next(iter(table.columns))
+    values = np.full(dataset.sizes[axis], np.nan)
+    values[rows_on_axis(dataset, table)] = table.numbers(column)
+    return Term(xr.DataArray(values, dims=axis), BARE)
+
+
+def rows_on_axis(dataset: xr.Dataset, table: Table) -> np.ndarray:
+    """The point of each row of a table on the axis that its first column is. Raises InputError where there is none."""
+    axis = next(iter(table.columns))
+    if axis not in dataset.dims:
+        raise InputError(f"{table.path}: its first column, {axis}, must be an axis of the scene")
+    printed, values = table.numbers(axis), dataset[axis].values
+    where: np.ndarray = np.abs(values[:, None] - printed).argmin(axis=0)
+    for row in np.flatnonzero(values[where] != printed):
+        raise InputError(f"{table.path}: row {row + 1}: {axis} = {printed[row]:g} is not on the scene's axis")
+    return where
 
 
 def _term(values: xr.DataArray) -> Term:

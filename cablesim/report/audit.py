@@ -16,7 +16,7 @@ import xarray as xr
 
 from cablesim.config.design_file import ROUNDINGS, last_digit
 from cablesim.config.scene import AGREES, ROUNDED_KEY, Published, Scene
-from cablesim.database.reading import evaluate, of_only_method
+from cablesim.database.reading import evaluate, of_only_method, rows_on_axis
 from cablesim.errors import InputError
 from cablesim.numerics import Array
 
@@ -119,14 +119,7 @@ def _rows_in(published: Published, dataset: xr.Dataset) -> np.ndarray:
     """The scenario of each row: by the row's number, or by the printed value of the scene's axis."""
     if "row" in dataset.variables:
         return np.argsort(dataset.row.values)
-    axis = _head(published)
-    if axis not in dataset.dims:
-        raise InputError(f"{published.table.path}: its first column, {axis}, must be an axis of the scene")
-    printed, values = published.table.numbers(axis), dataset[axis].values
-    where = np.abs(values[:, None] - printed).argmin(axis=0)
-    for row in np.flatnonzero(values[where] != printed):
-        raise InputError(f"{published.table.path}: row {row + 1}: {axis} = {printed[row]:g} is not on the scene's axis")
-    return where
+    return rows_on_axis(dataset, published.table)
 
 
 def _head(published: Published) -> str:

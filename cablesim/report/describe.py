@@ -25,13 +25,13 @@ def scene_line(name: str, dataset: "xr.Dataset") -> str:
     return f"{name:<20} {dataset.status.size:>9} scenarios ({axes}), {fate}: {dataset.attrs['title']}"
 
 
-def scene_table(name: str, dataset: "xr.Dataset") -> str:
-    """What a scene holds: title and question, then its methods, parameters, outputs and fates."""
+def scene_table(name: str, dataset: "xr.Dataset", answer: str = "") -> str:
+    """What a scene holds: title, question and answer, then its methods, parameters, outputs and fates."""
     from cablesim.database.catalogue import describe
 
     rows = describe(name, dataset)
     shown = rows[rows["kind"] != "scene"].drop(columns=["scene", "digest"])
-    title = [f"{dataset.attrs['title']} ({dataset.status.size} scenarios)", dataset.attrs.get("comment", "")]
+    title = [f"{dataset.attrs['title']} ({dataset.status.size} scenarios)", dataset.attrs.get("comment", ""), answer]
     body = shown.astype(object).where(shown.notna(), "").to_markdown(index=False, floatfmt=".6g")
     return "\n".join([*filter(None, title), "", body])
 

@@ -127,14 +127,16 @@ def test_a_table_may_not_be_called_checks(here: Path, ask: Ask) -> None:
     refused(ask, here, scene(tables=tables), "tables.checks", "another name")
 
 
-def test_a_run_ends_with_a_line_for_each_check(here: Path, ask: Ask) -> None:
+def test_a_run_ends_with_a_line_for_each_check_and_the_answer(here: Path, ask: Ask) -> None:
     checks = {"deep": "sag > 0.6 m", "grows": MONOTONE}
-    (here / "asked.yaml").write_text(scene(design="{grid: {length_ratio: [0.9, 1.1, 1.2]}}", checks=checks))
+    grid = "{grid: {length_ratio: [0.9, 1.1, 1.2]}}"
+    (here / "asked.yaml").write_text(scene(design=grid, checks=checks, answer="'{count(status == ok)} hang.'"))
     answer = ask("run", "asked.yaml", "--out", "results")
     assert answer.code == 1
-    assert answer.text.splitlines()[-2:] == [
+    assert answer.text.splitlines()[-3:] == [
         "deep: 1 passed, 1 failed, 1 unknown",
         "grows: 2 passed, 0 failed, 1 unknown",
+        "2 hang.",
     ]
 
 

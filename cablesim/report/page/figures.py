@@ -7,6 +7,7 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
 from cablesim.errors import InputError
+from cablesim.report.drawing import word
 from cablesim.report.page.curve_panels import curve_panels
 from cablesim.report.page.line_panels import orbit_panels, profile_panels, snapshot_panels, spatial_panels
 from cablesim.report.page.map_panels import map_panels, status_panels
@@ -63,4 +64,4 @@ def _title(figure: Figure) -> str:
     if figure.kind == "curves":
         shown = figure.label("y").plain_words or " and ".join(filter(None, figure.settings["y"]))
         return f"{shown} against {figure.label('x').plain_words}"
-    return figure.label("value").plain if figure.kind == "map" else TITLES[figure.kind]
+    return figure.label("value").plain if figure.kind == "map" else f"{TITLES[figure.kind]}: {word(figure.name)}"

@@ -9,6 +9,7 @@ import xarray as xr
 
 from cablesim.config.scene import Scene
 from cablesim.database.reading import status_words
+from cablesim.report.answer import answer
 from cablesim.report.audit import audit_table
 from cablesim.report.drawing import word
 from cablesim.report.page.columns import pack
@@ -37,7 +38,7 @@ def scene_part(scene: Scene, dataset: xr.Dataset, layout: Layout) -> dict[str, A
         "scene": scene.name,
         "title": scene.title,
         "question": scene.question,
-        "answer": "",
+        "answer": answer(scene, dataset),
         "kind": scene.design.kind,
         "axes": [{"name": axis.name, "size": axis.size} for axis in scene.design.axes],
         "scenarios": scene.size,
