@@ -271,7 +271,7 @@
     if (after) after.after(details);
     details.open = true;
     const card = await cardOf(details);
-    if (card) card.show(number);
+    if (card) await card.show(number);
     if (after && details.getBoundingClientRect().top > innerHeight - 120) details.scrollIntoView({ block: "nearest" });
   };
   const cardOf = (details) => {
@@ -296,11 +296,11 @@
       heading.textContent = `Scenario ${plain.format(number + 1)} of ${plain.format(total)}`;
       details.dataset.number = number;
       body.replaceChildren(...result(scenarios, number, at));
-      drawLines(body, scenarios, number);
+      return drawLines(body, scenarios, number);
     };
     details.append(heading, make("div", { class: "controls" }, ...controls.map((one) => one.element)), body);
-    const card = { show: (number) => { at = places(scenarios.axes, number); refresh(); } };
-    card.show(0);
+    const card = { show: (number) => { at = places(scenarios.axes, number); return refresh(); } };
+    await card.show(0);
     return card;
   };
   const control = (scenarios, axis, changed) => {
@@ -461,5 +461,15 @@
   }
   localise();
   document.querySelectorAll("figure").forEach((figure) => watcher.observe(figure));
-  window.cablesim = { drawAll, drawFigure, showScenario };
+  // For whoever drives the page by a program.
+  const scenarioOf = async (scene, number, method) => {
+    const { scenarios } = await unpack(scene);
+    const outputs = scenarios.outputs.map((output) => [output.name, output.values[method][number]]);
+    return {
+      command: command(scenarios, scenarios.methods[method], given(scenarios, places(scenarios.axes, number))),
+      status: scenarios.fates ? scenarios.fates.words[scenarios.fates.values[method][number]] : null,
+      outputs: Object.fromEntries(outputs),
+    };
+  };
+  window.cablesim = { drawAll, drawFigure, scenarioOf, unpack };
 })();

@@ -139,9 +139,9 @@ def log_format(values: Any) -> str:
     return "~e" if known.size and known.max() > known.min() * 10.0**FEW_DECADES else "~g"
 
 
-def box(*sides: Any) -> list[list[float]]:
+def box(*sides: np.ndarray) -> list[list[float]]:
     """A range for each side that holds all its values, with a margin; around nothing, from 0 to 1."""
-    return [_range(np.concatenate([np.ravel(values) for values in side])) for side in sides]
+    return [_range(values) for values in sides]
 
 
 def height_over_width(ranges: list[list[float]], stretch: float = 1.0) -> float:
