@@ -1,0 +1,36 @@
+"""Markdown that several pages are made of."""
+
+from collections.abc import Iterable
+
+import pandas as pd
+
+
+def table(heads: Iterable[str], rows: Iterable[Iterable[object]], numbers: str = "") -> str:
+    """A table; columns whose letter in `numbers` is r are set to the right."""
+    heads = list(heads)
+    marks = ["---:" if numbers[i : i + 1] == "r" else "---" for i in range(len(heads))]
+    lines = [_line(heads), f"|{'|'.join(marks)}|", *map(_line, rows)]
+    return "\n".join(lines) + "\n"
+
+
+def frame(found: pd.DataFrame) -> str:
+    """A table of results as it is, numbers to the right and to four digits."""
+    numbers = "".join("r" if pd.api.types.is_numeric_dtype(found[name]) else "l" for name in found)
+    return table(found.columns, ([short(cell) for cell in row] for row in found.itertuples(index=False)), numbers)
+
+
+def short(cell: object) -> str:
+    """A number to four digits, nothing for what is not there."""
+    if cell is None or (isinstance(cell, float) and cell != cell):
+        return ""
+    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
+
+
+def folded(title: str, body: str) -> str:
+    """A part of a page that is opened when it is wanted."""
+    indented = "\n".join(f"    {line}" if line else "" for line in body.splitlines())
+    return f'??? note "{title}"\n\n{indented}\n'
+
+
+def _line(cells: Iterable[object]) -> str:
+    return "| " + " | ".join(str(cell).replace("|", "\\|").replace("\n", " ") for cell in cells) + " |"
