@@ -10,11 +10,11 @@ FORMULA = re.compile(
     r'<span class="arithmatex">\\\((?P<inline>.*?)\\\)</span>|<div class="arithmatex">\\\[(?P<block>.*?)\\\]</div>', re.S
 )
 TAG = re.compile(r"\\tag\{(.*?)\}")
-# Names of functions are operators to the converter or not, as it knows them; browsers set both too wide or too narrow.
+# Names of functions are operators to the converter or not, as it knows them; then browsers set them too wide or too narrow.
 NAME = re.compile(r"<m[io]>([a-z]{2,})</m[io]>")
-NAME_BEFORE_ITS_ARGUMENT = re.compile(
-    r"(<mi>(?:[a-z]{2,})</mi>|<msup><mi>(?:[a-z]{2,})</mi><m[in]>[^<]*</m[in]></msup>)(?=<m(?:i|n|sub|sup|frac|sqrt)>)"
-)
+FUNCTION = r"(?<!<msup>)<mi>[a-z]{2,}</mi>|<msup><mi>[a-z]{2,}</mi><m[in]>[^<]*</m[in]></msup>"
+BEFORE_ITS_ARGUMENT = re.compile(rf"({FUNCTION})(?=<m(?:i|n|sub|sup|frac|sqrt)>)")
+AFTER_A_FACTOR = re.compile(rf"(</m(?:i|n|sub|sup|frac|sqrt|row)>)(?={FUNCTION})")
 THIN_SPACE = '<mspace width="0.167em"/>'
 
 
@@ -37,4 +37,4 @@ def mathml(tex: str, display: str) -> str:
     if "\\" in found or "<mi>&</mi>" in found:
         raise ValueError(f"not understood: {tex}")
     found = NAME.sub(r"<mi>\1</mi>", found).replace("<mi>&#x000B1;</mi>", "<mo>&#x000B1;</mo>")
-    return NAME_BEFORE_ITS_ARGUMENT.sub(rf"\1{THIN_SPACE}", found)
+    return AFTER_A_FACTOR.sub(rf"\1{THIN_SPACE}", BEFORE_ITS_ARGUMENT.sub(rf"\1{THIN_SPACE}", found))
