@@ -4,6 +4,7 @@ from pathlib import Path
 
 from cablesim.config.scene import Scene
 from website.study import Finished
+from website.text import scene_link
 
 FOLDER = "gallery"
 MOVING = ".gif"
@@ -41,10 +42,8 @@ def figures(study: Finished) -> dict[str, list[Path]]:
 def _section(scene: Scene, paths: list[Path]) -> str:
     shown = "\n".join(_picture(scene, path) for path in paths)
     question = f"{scene.question}\n\n" if scene.question else ""
-    return (
-        f"## {scene.title}\n\n{question}Scene file: [`{scene.path.name}`](../config/scenes/{scene.path.name})\n\n"
-        f'<div class="pictures" markdown>\n\n{shown}\n\n</div>\n'
-    )
+    pictures = f'<div class="pictures" markdown>\n\n{shown}\n\n</div>\n'
+    return f"## {scene.title}\n\n{question}{scene_link(scene)}\n\n{pictures}"
 
 
 def _picture(scene: Scene, path: Path) -> str:

@@ -1,6 +1,5 @@
 """Write the pages that are made of the sources and of a finished study; mkdocs-gen-files runs it in every build."""
 
-
 import mkdocs_gen_files
 
 from website import gallery, home, reference, references, solvers, validation

@@ -1,7 +1,7 @@
 """What MkDocs is told beside mkdocs.yml: formulas become MathML, and links may leave docs/.
 
-A page may link to any file of the project, so that the link holds where the page is read beside the sources. In the site
-that file is a copy in files/, or the page that was made of it.
+A page may link to any file of the project, so that the link holds where the page is read beside the sources. In the
+site that file is a copy in files/, or the page that was made of it.
 """
 
 import re
@@ -13,8 +13,8 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 from cablesim.solver import peer_names, solver_names
-from website.places import MADE_OF, SOLVERS
 from website.mathml import with_mathml
+from website.places import MADE_OF, SOLVERS
 from website.study import finished
 
 PROJECT = Path(__file__).parents[1]

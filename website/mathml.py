@@ -7,10 +7,11 @@ from latex2mathml.converter import convert
 
 # What the extension arithmatex makes of $...$ and $$...$$.
 FORMULA = re.compile(
-    r'<span class="arithmatex">\\\((?P<inline>.*?)\\\)</span>|<div class="arithmatex">\\\[(?P<block>.*?)\\\]</div>', re.S
+    r'<span class="arithmatex">\\\((?P<inline>.*?)\\\)</span>|<div class="arithmatex">\\\[(?P<block>.*?)\\\]</div>',
+    re.S,
 )
 TAG = re.compile(r"\\tag\{(.*?)\}")
-# Names of functions are operators to the converter or not, as it knows them; then browsers set them too wide or too narrow.
+# Names of functions are operators to the converter or not, as it knows them: too wide apart or too near in browsers.
 NAME = re.compile(r"<m[io]>([a-z]{2,})</m[io]>")
 FUNCTION = r"(?<!<msup>)<mi>[a-z]{2,}</mi>|<msup><mi>[a-z]{2,}</mi><m[in]>[^<]*</m[in]></msup>"
 BEFORE_ITS_ARGUMENT = re.compile(rf"({FUNCTION})(?=<m(?:i|n|sub|sup|frac|sqrt)>)")

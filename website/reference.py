@@ -12,15 +12,15 @@ from website.text import table
 
 QUANTITIES = """# Quantities
 
-Every quantity has one name, one SI unit and one meaning, in scene files, on the command line, in Python, in datasets and
-on the axes of figures. A quantity may be what one solver is given and what another answers. Where it has dimensions, it is
-not one number for a scenario: `component` is a vector (x, y, z), `section` a list with a number for each section of the
-line, `node` a profile along it, `time` and `phase` a history.
+Every quantity has one name, one SI unit and one meaning, in scene files, on the command line, in Python, in datasets
+and on the axes of figures. A quantity may be what one solver is given and what another answers. Where it has
+dimensions, it is not one number for a scenario: `component` is a vector (x, y, z), `section` a list with a number for
+each section of the line, `node` a profile along it, `time` and `phase` a history.
 """
 COMMANDS = f"""# Command line
 
-This page is what `cablesim --help` and `cablesim COMMAND --help` print, version {version("cablesim")}. Exit codes are told
-under [statuses and exit codes](statuses.md).
+What `cablesim --help` and `cablesim COMMAND --help` print, version {version("cablesim")}. Exit codes are told under
+[statuses and exit codes](statuses.md).
 """
 EXIT_CODES = {
     0: "done, all scenarios are solved; nothing differs",
@@ -36,8 +36,8 @@ VERDICTS = {
 }
 PYTHON = """# Python
 
-Two doors: `cablesim.batch.solve` solves scenarios in memory, `cablesim.open_study` opens what a study has computed. All is
-in SI; statuses are the small numbers of [`Status`](#cablesim.status.Status).
+Two doors: `cablesim.batch.solve` solves scenarios in memory, `cablesim.open_study` opens what a study has computed. All
+is in SI; statuses are the small numbers of [`Status`](#cablesim.status.Status).
 
 ## Solving
 
@@ -154,14 +154,12 @@ def commands(command: click.Command, path: str, depth: int = 2) -> list[str]:
 
 def statuses() -> str:
     """Fates of scenarios, verdicts of checks, and exit codes."""
-    fates = table(
-        ("number", "status", "meaning"), ((int(s), f"`{s.name}`", SENTENCES[s]) for s in Status), numbers="r"
-    )
+    fates = table(("number", "status", "meaning"), ((int(s), f"`{s.name}`", SENTENCES[s]) for s in Status), numbers="r")
     verdicts = table(("number", "verdict", "meaning"), ((int(v), f"`{v.name}`", VERDICTS[v]) for v in Verdict), "r")
     codes = table(("code", "meaning"), EXIT_CODES.items(), numbers="r")
     return (
-        "# Statuses and exit codes\n\n## Fates of scenarios\n\nEvery scenario has a `status`. Only where it is `ok` are "
-        "there numbers; every other status means NaN in every output of that scenario and method, and nothing for its "
+        "# Statuses and exit codes\n\n## Fates of scenarios\n\nEvery scenario has a `status`. Only where it is `ok` "
+        "are there numbers; every other status means NaN in every output of that scenario and method, and nothing for its "
         f"neighbours.\n\n{fates}\n## Verdicts of checks\n\nWhat a [check](../scenes.md#checks) of a scene says of a "
         f"scenario.\n\n{verdicts}\n## Exit codes\n\nOf every command.\n\n{codes}\nA step that a study runs ends its last "
         "line with its exit code; the study ends with that of its gravest step.\n"

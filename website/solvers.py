@@ -13,8 +13,8 @@ from website.text import table
 
 INDEX = """# Solvers
 
-Each is one method, a module in `cablesim/solvers/`. [Theory](../../theory/index.md) has the equations, `cablesim describe
-SOLVER` prints what these pages say.
+Each is one method, a module in `cablesim/solvers/`. [Theory](../../theory/index.md) has the equations, `cablesim
+describe SOLVER` prints what these pages say.
 """
 
 
@@ -68,7 +68,14 @@ def _list(solvers: list[Solver]) -> str:
 def _parameters(solver: Solver) -> str:
     heads = ("parameter", "symbol", "unit", "meaning", "allowed", "if left out")
     rows = (
-        (f"`{s.name}`", f"${quantity(s.name).symbol}$", unit(quantity(s.name)), quantity(s.name).meaning, _allowed(s), _left_out(s))
+        (
+            f"`{s.name}`",
+            f"${quantity(s.name).symbol}$",
+            unit(quantity(s.name)),
+            quantity(s.name).meaning,
+            _allowed(s),
+            _left_out(s),
+        )
         for s in solver.parameters.values()
     )
     return table(heads, rows)

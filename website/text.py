@@ -1,8 +1,11 @@
 """Markdown that several pages are made of."""
 
 from collections.abc import Iterable
+from pathlib import PurePosixPath
 
 import pandas as pd
+
+from cablesim.config.scene import Scene
 
 
 def table(heads: Iterable[str], rows: Iterable[Iterable[object]], numbers: str = "") -> str:
@@ -24,6 +27,12 @@ def short(cell: object) -> str:
     if cell is None or (isinstance(cell, float) and cell != cell):
         return ""
     return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
+
+
+def scene_link(scene: Scene, folder: str = "") -> str:
+    """Where the file of a scene is, for a page in a folder of the site."""
+    up = "../" * (1 + len(PurePosixPath(folder).parts))
+    return f"Scene file: [`{scene.path.name}`]({up}config/scenes/{scene.path.name})."
 
 
 def folded(title: str, body: str) -> str:

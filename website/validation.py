@@ -1,4 +1,4 @@
-"""Validation: every printed value beside ours, scenes against tables and methods, and methods against their run time."""
+"""Validation: every printed value beside ours, scenes against tables and methods, and errors against run time."""
 
 import pandas as pd
 
@@ -7,16 +7,17 @@ from cablesim.database.reading import open_scene
 from cablesim.report.precision import advice
 from website.places import AUDITS
 from website.study import Finished
-from website.text import folded, frame, table
+from website.text import folded, frame, scene_link, table
 
 INDEX = """# Validation
 
-Each table that our sources print is audited: every cell is computed anew and set beside the printed one. A cell *agrees*
-if it is within a unit, or what the scene says, of its last printed digit. What is off has one of these verdicts:
+Each table that our sources print is audited: every cell is computed anew and set beside the printed one. A cell
+*agrees* if it is within half a unit, or what the scene says, of its last printed digit. What is off has a verdict:
 
 - **rounded key**: it is just what follows from another column of its row; the printed argument was rounded too hard.
 - **misprint**: it follows from nothing in its row.
-- What a scene calls its own: *approximated*, *interpolated by hand* and the like, where the source did not compute exactly.
+- What a scene calls its own: *approximated*, *interpolated by hand* and the like, where the source did not compute
+  exactly.
 
 No cell was judged by hand: verdicts follow from the numbers, and this page was made from the results of a study.
 """
@@ -24,8 +25,8 @@ MORE = """
 ## What else is checked
 
 - [Independent references](references.md): numbers of 20 digits and more, computed by other means than ours.
-- [Methods against each other](methods.md): scenes whose results are compared with a table or with another method, and with
-  MoorPy, MoorDyn and SciPy, error against run time.
+- [Methods against each other](methods.md): scenes whose results are compared with a table or with another method, and
+  with MoorPy, MoorDyn and SciPy, error against run time.
 - [Where not to use a method](../stability.md), [the hunt for wrong answers](../hunt.md), and
   [what a study survives](../faults.md).
 """
@@ -69,12 +70,12 @@ def _audited(scene: Scene, cells: pd.DataFrame) -> str:
     keyed = cells["row_argument"].nunique() > 1
     parts = [f"## {_count(~agree)} off\n\n{_cells(cells[~agree], keyed)}"] if (~agree).any() else []
     parts += [f"## {_count(agree)} that agree\n\n{_cells(cells[agree], keyed=False)}"] if agree.any() else []
-    return (
-        f"# {scene.title}\n\n{scene.question}\n\nScene file: [`{scene.path.name}`](../../../config/scenes/{scene.path.name}), "
-        f"table as printed: [`{printed}`](../../../config/scenes/tables/{printed}), which says where it is from. Cells agree "
-        f"within {scene.published.within:g} units of the last printed digit. How each column follows from our outputs: "
-        f"\n\n{_formulas(scene)}\n" + "\n".join(parts)
+    told = (
+        f"{scene.question}\n\n{scene_link(scene, AUDITS)} Table as printed: "
+        f"[`{printed}`](../../../config/scenes/tables/{printed}), which says where it is from. Cells agree within "
+        f"{scene.published.within:g} units of the last printed digit. How each column follows from our outputs:"
     )
+    return f"# {scene.title}\n\n{told}\n\n{_formulas(scene)}\n" + "\n".join(parts)
 
 
 def _count(which: pd.Series) -> str:
@@ -114,14 +115,12 @@ def _errors(study: Finished, scene: Scene, heading: bool = True) -> str:
     assert scene.reference is not None
     found = pd.read_csv(study.layout.tables / f"{scene.name}_errors.csv")
     chosen = found[["method", "output", "scenarios", "relative max", "relative 95 %", "relative median", "worst at"]]
-    reference = f"Reference: `{scene.reference.name}`. Scene file: [`{scene.path.name}`](../../config/scenes/{scene.path.name})."
+    reference = f"Reference: `{scene.reference.name}`. {scene_link(scene, 'validation')}"
     return (f"### {scene.title}\n\n" if heading else "") + f"{scene.question}\n\n{reference}\n\n{frame(chosen)}"
 
 
 def _timed(study: Finished, scene: Scene) -> str:
     dataset = open_scene(study.layout.root, scene.name)
     found = pd.read_csv(study.layout.tables / f"{scene.name}_work_precision.csv")
-    return (
-        f"### {scene.title}\n\n{scene.question}\n\n**{advice(scene, dataset)}**\n\nMeasured on {dataset.attrs['machine']}. "
-        f"Scene file: [`{scene.path.name}`](../../config/scenes/{scene.path.name}).\n\n{frame(found)}"
-    )
+    told = f"Measured on {dataset.attrs['machine']}. {scene_link(scene, 'validation')}"
+    return f"### {scene.title}\n\n{scene.question}\n\n**{advice(scene, dataset)}**\n\n{told}\n\n{frame(found)}"
