@@ -4,7 +4,7 @@ from pathlib import Path
 
 from cablesim.config.scene import Scene
 from website.study import Finished
-from website.text import scene_link
+from website.text import scene_link, wide
 
 FOLDER = "gallery"
 MOVING = ".gif"
@@ -20,7 +20,8 @@ def pages(study: Finished) -> dict[str, str]:
     found = figures(study)
     shown = [scene for scene in study.scenes if found[scene.name]]
     shown.sort(key=lambda scene: not any(path.suffix == MOVING for path in found[scene.name]))
-    return {"gallery.md": HEAD + "\n" + "\n".join(_section(scene, found[scene.name]) for scene in shown)}
+    text = HEAD + "\n" + "\n".join(_section(scene, found[scene.name]) for scene in shown)
+    return {"gallery.md": wide(text, "navigation")}
 
 
 def pictures(study: Finished) -> dict[str, Path]:
@@ -40,7 +41,7 @@ def figures(study: Finished) -> dict[str, list[Path]]:
 
 
 def _section(scene: Scene, paths: list[Path]) -> str:
-    shown = "\n".join(_picture(scene, path) for path in paths)
+    shown = "\n\n".join(_picture(scene, path) for path in paths)
     question = f"{scene.question}\n\n" if scene.question else ""
     pictures = f'<div class="pictures" markdown>\n\n{shown}\n\n</div>\n'
     return f"## {scene.title}\n\n{question}{scene_link(scene)}\n\n{pictures}"

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from website.text import wide
+
 PROJECT = Path(__file__).parents[1]
 TOUR = "## Five minutes"
 HOME = """
@@ -22,7 +24,7 @@ def pages() -> dict[str, str]:
     """Pages by their place."""
     above, tour = (PROJECT / "README.md").read_text(encoding="utf-8").split(f"\n{TOUR}\n")
     return {
-        "index.md": in_docs(above) + HOME,
+        "index.md": wide(in_docs(above) + HOME, "navigation"),
         "tour.md": f"# {TOUR.removeprefix('## ')}\n" + in_docs(tour),
         "benchmarks.md": (PROJECT / "benchmarks" / "README.md").read_text(encoding="utf-8"),
     }

@@ -6,16 +6,17 @@ import click
 
 from cablesim.cli import EXIT_BUG, EXIT_ENVIRONMENT, EXIT_FLAGGED, EXIT_MISTAKE, cli
 from cablesim.quantities import TABLE, Quantity
-from cablesim.solver import load_solver, peer_names, solver_names
+from cablesim.solver import load_solver, solver_names
 from cablesim.status import SENTENCES, Status, Verdict
-from website.text import table
+from website.text import table, wide
 
 QUANTITIES = """# Quantities
 
 Every quantity has one name, one SI unit and one meaning, in scene files, on the command line, in Python, in datasets
 and on the axes of figures. A quantity may be what one solver is given and what another answers. Where it has
 dimensions, it is not one number for a scenario: `component` is a vector (x, y, z), `section` a list with a number for
-each section of the line, `node` a profile along it, `time` and `phase` a history.
+each section of the line, `node` a profile along it, `time` and `phase` a history. Adapters to other people's programs
+are not listed.
 """
 COMMANDS = f"""# Command line
 
@@ -37,7 +38,11 @@ VERDICTS = {
 PYTHON = """# Python
 
 Two doors: `cablesim.batch.solve` solves scenarios in memory, `cablesim.open_study` opens what a study has computed. All
-is in SI; statuses are the small numbers of [`Status`](#cablesim.status.Status).
+is in SI; statuses are the small numbers of [`Status`](#cablesim.status.Status). What users
+call most:
+
+    from cablesim import open_study
+    from cablesim.batch import solve
 
 ## Solving
 
@@ -72,6 +77,8 @@ is in SI; statuses are the small numbers of [`Status`](#cablesim.status.Status).
 ::: cablesim.solver.load_solver
 
 ::: cablesim.solver.Solver
+    options:
+      members: [summary, outputs, parameters, options, problems, solve]
 
 ::: cablesim.solver.Solution
 
@@ -98,7 +105,7 @@ is in SI; statuses are the small numbers of [`Status`](#cablesim.status.Status).
 def pages() -> dict[str, str]:
     """Pages by their place."""
     return {
-        "reference/quantities.md": f"{QUANTITIES}\n{quantities()}",
+        "reference/quantities.md": wide(f"{QUANTITIES}\n{quantities()}", "toc"),
         "reference/commands.md": COMMANDS + "".join(commands(cli, "cablesim")),
         "reference/statuses.md": statuses(),
         "reference/python.md": PYTHON,
@@ -107,12 +114,12 @@ def pages() -> dict[str, str]:
 
 def quantities() -> str:
     """The table of quantities, with the solvers that take and answer each."""
-    solvers = [load_solver(name) for name in (*solver_names(), *peer_names())]
+    solvers = [load_solver(name) for name in solver_names()]
     taken = {row.name: [s.name for s in solvers if row.name in s.parameters] for row in TABLE}
     answered = {row.name: [s.name for s in solvers if row.name in s.outputs] for row in TABLE}
     # A quantity that is given to some and answered by others stands in the table once.
     rows = {row.name: row for row in TABLE}.values()
-    heads = ("name", "symbol", "unit", "dimensions", "meaning", "given to", "answered by")
+    heads = ("name", "symbol", "unit", "meaning", "given to", "answered by")
     return table(
         heads,
         (
@@ -120,8 +127,7 @@ def quantities() -> str:
                 f"`{row.name}`",
                 f"${row.symbol}$",
                 unit(row),
-                ", ".join(row.dims),
-                row.meaning,
+                row.meaning + (f" (over {', '.join(row.dims)})" if row.dims else ""),
                 links(taken[row.name]),
                 links(answered[row.name]),
             )
@@ -159,8 +165,8 @@ def statuses() -> str:
     codes = table(("code", "meaning"), EXIT_CODES.items(), numbers="r")
     return (
         "# Statuses and exit codes\n\n## Fates of scenarios\n\nEvery scenario has a `status`. Only where it is `ok` "
-        "are there numbers; every other status means NaN in every output of that scenario and method, and nothing for its "
-        f"neighbours.\n\n{fates}\n## Verdicts of checks\n\nWhat a [check](../scenes.md#checks) of a scene says of a "
-        f"scenario.\n\n{verdicts}\n## Exit codes\n\nOf every command.\n\n{codes}\nA step that a study runs ends its last "
-        "line with its exit code; the study ends with that of its gravest step.\n"
+        "are there numbers; every other status means NaN in every output of that scenario and method, and nothing for "
+        f"its neighbours.\n\n{fates}\n## Verdicts of checks\n\nWhat a [check](../scenes.md#checks) of a scene says of "
+        f"a scenario.\n\n{verdicts}\n## Exit codes\n\nOf every command.\n\n{codes}\nA step that a study runs ends its "
+        "last line with its exit code; the study ends with that of its gravest step.\n"
     )

@@ -10,7 +10,7 @@ from cablesim.batch import solve
 from cablesim.numerics import Array
 from cablesim.status import Status
 from tests.helpers import REFERENCE, read_table, rows
-from website.text import folded, table
+from website.text import folded, table, wide
 
 HEAD = """# Independent references
 
@@ -41,7 +41,7 @@ class Compared:
         line, part = np.unravel_index(np.nanargmax(differences), differences.shape)
         numbers = [f"{values[line, part]:.17g}" for values in (expected, found)]
         largest = f"{differences[line, part]:.1e}"
-        return f"`{self.solver}`", f"`{self.output}`", len(found), largest, *numbers, self.relative_to or "itself"
+        return self.solver, f"`{self.output}`", len(found), largest, *numbers, self.relative_to or "itself"
 
 
 HEADS = ("solver", "output", "lines", "largest difference", "reference", "ours", "relative to")
@@ -49,7 +49,8 @@ HEADS = ("solver", "output", "lines", "largest difference", "reference", "ours",
 
 def pages() -> dict[str, str]:
     """The page."""
-    return {"validation/references.md": "\n".join([HEAD, *(_section(file, found) for file, found in FILES.items())])}
+    text = "\n".join([HEAD, *(_section(file, found) for file, found in FILES.items())])
+    return {"validation/references.md": wide(text, "toc")}
 
 
 def _section(file: str, compared: Any) -> str:

@@ -16,9 +16,10 @@ def table(heads: Iterable[str], rows: Iterable[Iterable[object]], numbers: str =
     return "\n".join(lines) + "\n"
 
 
-def frame(found: pd.DataFrame) -> str:
-    """A table of results as it is, numbers to the right and to four digits."""
-    numbers = "".join("r" if pd.api.types.is_numeric_dtype(found[name]) else "l" for name in found)
+def frame(found: pd.DataFrame, right: tuple[str, ...] = ()) -> str:
+    """A table of results as it is, numbers to the right and to four digits; `right` are columns of written numbers."""
+    is_number = [name in right or pd.api.types.is_numeric_dtype(found[name]) for name in found]
+    numbers = "".join("r" if each else "l" for each in is_number)
     return table(found.columns, ([short(cell) for cell in row] for row in found.itertuples(index=False)), numbers)
 
 
@@ -33,6 +34,11 @@ def scene_link(scene: Scene, folder: str = "") -> str:
     """Where the file of a scene is, for a page in a folder of the site."""
     up = "../" * (1 + len(PurePosixPath(folder).parts))
     return f"Scene file: [`{scene.path.name}`]({up}config/scenes/{scene.path.name})."
+
+
+def wide(page: str, *hidden: str) -> str:
+    """A page without some of what stands beside it: `navigation`, `toc`."""
+    return "\n".join(["---", "hide:", *(f"  - {part}" for part in hidden), "---", page])
 
 
 def folded(title: str, body: str) -> str:

@@ -7,7 +7,7 @@ from cablesim.database.reading import open_scene
 from cablesim.report.precision import advice
 from website.places import AUDITS
 from website.study import Finished
-from website.text import folded, frame, scene_link, table
+from website.text import folded, frame, scene_link, table, wide
 
 INDEX = """# Validation
 
@@ -72,10 +72,12 @@ def _audited(scene: Scene, cells: pd.DataFrame) -> str:
     parts += [f"## {_count(agree)} that agree\n\n{_cells(cells[agree], keyed=False)}"] if agree.any() else []
     told = (
         f"{scene.question}\n\n{scene_link(scene, AUDITS)} Table as printed: "
-        f"[`{printed}`](../../../config/scenes/tables/{printed}), which says where it is from. Cells agree within "
-        f"{scene.published.within:g} units of the last printed digit. How each column follows from our outputs:"
+        f"[`{printed}`](../../../config/scenes/tables/{printed}), which says where it is from. A cell agrees if it is "
+        f"off by no more than {scene.published.within:g} in its last printed digit. All tables: [validation](../index.md).\n\n"
+        "How each column follows from our outputs:"
     )
-    return f"# {scene.title}\n\n{told}\n\n{_formulas(scene)}\n" + "\n".join(parts)
+    page = f"# {scene.title}\n\n{told}\n\n{_formulas(scene)}\n" + "\n".join(parts)
+    return wide(page, "navigation", "toc")
 
 
 def _count(which: pd.Series) -> str:
@@ -97,7 +99,7 @@ def _cells(cells: pd.DataFrame, keyed: bool) -> str:
     for name in ("ours", "ours at it"):
         if name in chosen:
             chosen[name] = [f"{value:.8g}" for value in chosen[name]]
-    return frame(chosen)
+    return frame(chosen, right=("printed", "ours", "ours at it"))
 
 
 def _methods(study: Finished) -> str:
@@ -114,13 +116,14 @@ def _methods(study: Finished) -> str:
 def _errors(study: Finished, scene: Scene, heading: bool = True) -> str:
     assert scene.reference is not None
     found = pd.read_csv(study.layout.tables / f"{scene.name}_errors.csv")
-    chosen = found[["method", "output", "scenarios", "relative max", "relative 95 %", "relative median", "worst at"]]
+    chosen = found[["method", "output", "scenarios", "relative max", "relative 95 %", "relative median"]]
     reference = f"Reference: `{scene.reference.name}`. {scene_link(scene, 'validation')}"
     return (f"### {scene.title}\n\n" if heading else "") + f"{scene.question}\n\n{reference}\n\n{frame(chosen)}"
 
 
 def _timed(study: Finished, scene: Scene) -> str:
     dataset = open_scene(study.layout.root, scene.name)
-    found = pd.read_csv(study.layout.tables / f"{scene.name}_work_precision.csv")
+    columns = ["method", "solver", "options", "solved", "median error", "largest error", "run_time [s]", "alone [s]"]
+    found = pd.read_csv(study.layout.tables / f"{scene.name}_work_precision.csv")[[*columns, "on the front"]]
     told = f"Measured on {dataset.attrs['machine']}. {scene_link(scene, 'validation')}"
     return f"### {scene.title}\n\n{scene.question}\n\n**{advice(scene, dataset)}**\n\n{told}\n\n{frame(found)}"
