@@ -73,8 +73,8 @@ def _audited(scene: Scene, cells: pd.DataFrame) -> str:
     told = (
         f"{scene.question}\n\n{scene_link(scene, AUDITS)} Table as printed: "
         f"[`{printed}`](../../../config/scenes/tables/{printed}), which says where it is from. A cell agrees if it is "
-        f"off by no more than {scene.published.within:g} in its last printed digit. All tables: [validation](../index.md).\n\n"
-        "How each column follows from our outputs:"
+        f"off by no more than {scene.published.within:g} in its last printed digit. All tables: "
+        "[validation](../index.md).\n\nHow each column follows from our outputs:"
     )
     page = f"# {scene.title}\n\n{told}\n\n{_formulas(scene)}\n" + "\n".join(parts)
     return wide(page, "navigation", "toc")
