@@ -1,4 +1,4 @@
-"""Equations as docs/theory prints them hold of what the solvers answer, where a solver computes them in another form."""
+"""Equations as docs/theory prints them hold of what solvers answer, where these compute them in another form."""
 
 import numpy as np
 import pytest

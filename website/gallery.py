@@ -33,7 +33,7 @@ def figures(study: Finished) -> dict[str, list[Path]]:
     """The pictures of each scene; one scene's name may be the beginning of another's."""
     names = [scene.name for scene in study.scenes]
     found: dict[str, list[Path]] = {name: [] for name in names}
-    for path in sorted(study.layout.figures.glob("*")):
+    for path in sorted((*study.layout.figures.glob("*"), *(study.layout.root / "animations").glob("*"))):
         owners = [name for name in names if path.stem.startswith(f"{name}_")]
         if path.suffix in (".png", MOVING) and owners:
             found[max(owners, key=len)].append(path)
