@@ -10,9 +10,10 @@ TOUR = "## Five minutes"
 HOME = """
 | | |
 |---|---|
-| [Tutorial](tutorial.md) | from an empty folder to an answer, an hour for a student |
+| [Five minutes](tour.md) | one command after another, with what it prints |
+| [Tutorial](tutorial.md) | from an empty folder to an answer and a plot, for a student |
 | [How to](howto/own_scene.md) | a scene of your own, a solver of your own, a cluster, how to cite |
-| [Theory](theory/index.md) | the equations of every method, where they come from, and where they end |
+| [Theory](theory/index.md) | the equations of every solver, where they come from, and where they end |
 | [Gallery](gallery.md) | the figures of the default study, each with its question and its scene file |
 | [Validation](validation/index.md) | every printed value beside ours, and what independent programs say |
 | [Reference](reference/solvers/index.md) | solvers, quantities, commands, Python, scene files |

@@ -148,7 +148,7 @@ def links(solvers: list[str]) -> str:
 
 def commands(command: click.Command, path: str, depth: int = 2) -> list[str]:
     """The help of a command and of those below it, a section each."""
-    settings = {**cli.context_settings, "max_content_width": 100, "terminal_width": 100}
+    settings = {**cli.context_settings, "max_content_width": 84, "terminal_width": 84}
     context = click.Context(command, info_name=path, **settings)
     found = [f"\n{'#' * depth} `{path}`\n\n```\n{command.get_help(context).replace('%(prog)s', path)}\n```\n"]
     if isinstance(command, click.Group):
