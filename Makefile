@@ -7,7 +7,7 @@ BESIDE := uv pip compile --quiet --universal --generate-hashes --no-header --no-
   --constraint requirements-test.lock - --output-file
 SELF := $(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 
-.PHONY: study test bench faults hunt lock references clean
+.PHONY: study test docs bench faults hunt lock references clean
 
 study: .venv/peers  ## Compute the default study into results/default/.
 	$(BIN)/cablesim study || test $$? -eq 1  # 1: done, and some scenarios have no solution
@@ -19,6 +19,10 @@ test: .venv/test  ## Formatting, types, import directions and all tests.
 	$(BIN)/lint-imports
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
+
+docs: .venv/test study  ## Build the site into site/ from the pages, the package and the default study.
+	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(BIN)/python -m mkdocs build --quiet --strict
+	@echo "site/index.html is the first page; to search, serve it: $(BIN)/python -m http.server --directory site"
 
 bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/exact_catenary.py

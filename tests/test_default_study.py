@@ -1,21 +1,28 @@
 """The default study, computed once as `make study` does: what pages say of it, and what it is known for."""
 
 import doctest
+import io
+import os
 import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
+import pandas as pd
 import pytest
 
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.report.answer import NO_VALUE, written_answer
 from cablesim.report.precision import work_and_precision
+from cablesim.solver import peer_names, solver_names
 from cablesim.study import Layout, read_study
 from tests.test_published import table
-from tests.write_pages import PAGES, blocks, printed
+from tests.write_pages import STUDY_PAGES, blocks, plain, printed
 
 PROJECT = Path(__file__).parent.parent
 
@@ -38,7 +45,7 @@ def default_study(tmp_path_factory) -> Path:
 
 def cases() -> list[tuple[str, str]]:
     """Each command of a page with the output that follows it."""
-    told = [body for page in PAGES for body in blocks("console", page)]
+    told = [body for page in STUDY_PAGES for body in blocks("console", page)]
     return [(body.partition("\n")[0].removeprefix("$ "), body.partition("\n")[2]) for body in told]
 
 
@@ -48,12 +55,7 @@ def test_a_command_of_a_page_prints_what_it_says(command, output, default_study,
     assert plain(printed(command)) == plain(output)
 
 
-def plain(text: str) -> str:
-    """Without the white space at line ends, which editors remove."""
-    return "\n".join(line.rstrip() for line in text.strip().splitlines())
-
-
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks("python", page)], ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [page for page in STUDY_PAGES if blocks("python", page)], ids=lambda page: page.name)
 def test_the_python_lines_of_a_page_print_what_they_say(page, default_study, monkeypatch):
     monkeypatch.chdir(default_study)
     examples = doctest.DocTestParser().get_doctest("\n".join(blocks("python", page)), {}, page.name, str(page), 0)
@@ -140,3 +142,119 @@ def test_errors_in_the_default_study_are_those_of_the_methods(default_study):
     assert 5e-6 < hanging["series"] < 2e-5
     # MoorPy's own tolerance is absolute: lines that are nearly straight are off by any factor, and none says so.
     assert towed["moorpy"] > 1.0 and towed["moorpy_1e_6"] < 1e-3
+
+
+# ---- the site ----
+
+# What a browser fetches by itself, and what a reader may follow.
+FETCHED = {"img": "src", "script": "src", "iframe": "src", "source": "src", "video": "src", "link": "href"}
+ELSEWHERE = ("http:", "https:", "//", "data:")
+
+
+class Links(HTMLParser):
+    """The addresses in a page, and the names of its places."""
+
+    def __init__(self, page: Path):
+        super().__init__()
+        self.fetched: list[str] = []
+        self.followed: list[str] = []
+        self.places: set[str] = set()
+        self.feed(page.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {name: value or "" for name, value in attrs}
+        if given.get("id"):
+            self.places.add(given["id"])
+        if address := given.get(FETCHED.get(tag, "")):
+            self.fetched.append(address)
+        if tag == "a" and given.get("href"):
+            self.followed.append(given["href"])
+
+
+def build_site(results: Path, to: Path) -> subprocess.CompletedProcess[str]:
+    quiet = {"NO_MKDOCS_2_WARNING": "1", "DISABLE_MKDOCS_2_WARNING": "true"}
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(to)]
+    environment = {**os.environ, **quiet, "CABLESIM_SITE_RESULTS": str(results)}
+    return subprocess.run(
+        command, cwd=PROJECT, capture_output=True, text=True, env=environment, timeout=300, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def site(default_study, tmp_path_factory) -> dict[Path, Links]:
+    """The pages of the site, built of the default study without a warning, by their place."""
+    folder = tmp_path_factory.mktemp("site")
+    run = build_site(default_study / "results" / "default", folder)
+    assert run.returncode == 0, run.stderr
+    assert not re.search("WARNING|ERROR", run.stderr), run.stderr
+    return {page: Links(page) for page in folder.rglob("*.html")}
+
+
+def root(site: dict[Path, Links]) -> Path:
+    return min(site, key=lambda page: len(page.parts)).parent
+
+
+def test_a_page_of_the_site_fetches_nothing_from_elsewhere(site):
+    fetched = {(page.name, address) for page, links in site.items() for address in links.fetched}
+    assert {one for one in fetched if one[1].startswith(ELSEWHERE)} == set()
+    styles = [path.read_text(encoding="utf-8") for path in root(site).rglob("*.css")]
+    assert [
+        found for style in styles for found in re.findall(r"(?:url\(|@import)\s*[\"']?(?:https?:|//)[^)]*", style)
+    ] == []
+    # The theme would fetch a program to draw these.
+    assert [page.name for page in site if 'class="mermaid"' in page.read_text(encoding="utf-8")] == []
+
+
+def test_every_link_of_the_site_leads_to_a_file_and_a_place_that_are_there(site):
+    def broken() -> Iterator[tuple[str, str]]:
+        for page, links in site.items():
+            for address in (*links.fetched, *links.followed):
+                parts = urlsplit(address)
+                # The page for what is not found does not know from where it is asked.
+                if parts.scheme or page.name == "404.html":
+                    continue
+                target = (page.parent / unquote(parts.path)).resolve() if parts.path else page
+                known = target in site and parts.fragment not in ("", "__skip")
+                if not target.is_file() or (known and unquote(parts.fragment) not in site[target].places):
+                    yield page.name, address
+
+    assert list(broken()) == []
+
+
+def test_no_formula_is_left_as_it_was_written(site):
+    assert [page.name for page in site if "arithmatex" in page.read_text(encoding="utf-8")] == []
+    assert "<math" in (root(site) / "theory" / "waves.html").read_text(encoding="utf-8")
+
+
+def test_every_solver_is_in_the_theory_and_in_the_reference(site):
+    theory = {place for page, links in site.items() if page.parent.name == "theory" for place in links.places}
+    assert set(solver_names()) <= theory
+    reference = {page.stem for page in site if page.parent.name == "solvers"}
+    assert {*solver_names(), *peer_names()} <= reference
+
+
+def test_validation_has_every_cell_of_every_audited_table(site, default_study):
+    audits = sorted((default_study / "results" / "default" / "tables").glob("*_audit.csv"))
+    linked = site[root(site) / "validation" / "index.html"].followed
+    assert len(audits) == sum(
+        scene.published is not None for scene in read_study(PROJECT / "config/config.yaml").scenes
+    )
+    for path in audits:
+        name = path.stem.removesuffix("_audit")
+        assert f"tables/{name}.html" in linked
+        page = (root(site) / "validation" / "tables" / f"{name}.html").read_text(encoding="utf-8")
+        shown = [table for table in pd.read_html(io.StringIO(page)) if "verdict" in table]
+        assert sum(map(len, shown)) == len(pd.read_csv(path)), name
+
+
+def test_the_gallery_shows_every_figure(site, default_study):
+    drawn = {path.name for path in (default_study / "results" / "default" / "figures").glob("*.png")}
+    shown = {Path(address).name for address in site[root(site) / "gallery.html"].fetched}
+    assert drawn <= shown and len(drawn) > 100
+
+
+def test_without_a_study_the_site_says_in_one_line_what_is_missing(tmp_path):
+    run = build_site(tmp_path / "nothing", tmp_path / "site")
+    assert run.returncode == 1
+    lines = (run.stdout + run.stderr).strip().splitlines()
+    assert len(lines) == 1 and "no finished study" in lines[0] and lines[0].endswith("make study")

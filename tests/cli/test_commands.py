@@ -183,7 +183,7 @@ def test_run_makes_dataset_tables_and_figures(here: Path, ask: Ask) -> None:
     assert "results/good/good.nc: 2 scenarios" in answer.text
     results = here / "results" / "good"
     assert (results / "good.nc").is_file()
-    assert {path.name for path in (results / "figures").iterdir()} == {"good_sag.svg", "good_sag.png"}
+    assert {path.name for path in (results / "figures").iterdir()} == {"good_sag.svg", "good_sag.png", "good_sag.pdf"}
     tables = {path.name for path in (results / "tables").iterdir()}
     assert tables >= {f"good_{kind}.{suffix}" for kind in ("status", "tensions") for suffix in ("csv", "md")}
     assert not [path for path in here.rglob("*") if path.name.endswith(".part")]
@@ -272,6 +272,7 @@ def test_the_steps_by_hand_make_what_run_makes(in_study: Path, tmp_path: Path, a
     for step in ("collect", "summarise", "figures"):
         assert ask("step", step, "tiny.yaml", tmp_path, "--stamp", tmp_path / "stamps" / step) == Answer(0, b"", "")
     assert ask("step", "catalogue", tmp_path, "--stamp", tmp_path / "stamps" / "catalogue").code == 0
+    assert ask("step", "report", "tiny.yaml", tmp_path, "--stamp", tmp_path / "stamps" / "report").code == 0
     assert root_group(tmp_path / "tiny.nc") == root_group(in_study / "results" / "tiny.nc")
     by_hand, by_run = lasting(tree(tmp_path)), lasting(tree(in_study / "results"))
     assert {name for name in by_hand if name.startswith("stamps/")} == {
@@ -279,6 +280,7 @@ def test_the_steps_by_hand_make_what_run_makes(in_study: Path, tmp_path: Path, a
         "stamps/collect",
         "stamps/summarise",
         "stamps/figures",
+        "stamps/report",
     }
     assert {name: content for name, content in by_hand.items() if not name.startswith("stamps")} == by_run
 
@@ -300,7 +302,7 @@ def root_group(path: Path) -> dict[str, Any]:
 
 def lasting(files: dict[str, bytes | str]) -> dict[str, bytes | str]:
     """Without the lock, and the files that hold measured times."""
-    measured = (".lock", ".nc", ".json", ".parquet", "_status.csv", "_status.md")
+    measured = (".lock", ".nc", ".json", ".parquet", ".html", "_status.csv", "_status.md")
     return {name: content for name, content in files.items() if not name.endswith(measured)}
 
 
