@@ -37,8 +37,8 @@ SOLVED_SHARE, COLLECTED_SHARE, READ_SHARE = 2.6, 2.3, 1.5
 SHARD_SCENARIO, READ_SCENARIO, PLAN_SHARE = 100, 50, 1.5
 # Bytes on the disk for each in memory, compressed: smooth along a grid, single precision, not smooth at all.
 GRID_RATIO, HISTORY_RATIO, OTHER_RATIO = 0.68, 0.7, 0.8
-# Of a number in a table, of a figure in both forms, of what is in every shard and scene.
-CELL_BYTES, FIGURE_BYTES, SHARD_BYTES, SCENE_BYTES = 19, 110_000, 15_000, 80_000
+# Of a number in a table, of a figure in its three forms, of what is in every shard and scene.
+CELL_BYTES, FIGURE_BYTES, SHARD_BYTES, SCENE_BYTES = 19, 185_000, 15_000, 80_000
 # Beyond this a table is statistics, and needs no room (report.tables).
 MOST_ROWS = 10_000
 # Of the status, the iterations and the time of a scenario, in memory, and compressed.

@@ -62,13 +62,15 @@ def factor(given: str, unit: str) -> float:
     import pint
 
     try:
+        _unit(given)
+    except InputError as problem:
+        raise InputError(f"{problem}{_expected(unit)}") from None
+    try:
         if _is_angle(given) != _is_angle(unit):
             raise InputError(f"the unit '{given}' is of another dimension{_expected(unit)}")
         return float(_unit(given).to(_unit(unit).units).magnitude)
     except pint.errors.DimensionalityError:
         raise InputError(f"the unit '{given}' is of another dimension{_expected(unit)}") from None
-    except pint.errors.PintError:
-        raise InputError(f"unknown unit '{given}'{_expected(unit)}") from None
 
 
 def _powers(unit: str) -> dict[str, int]:

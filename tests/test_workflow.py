@@ -98,7 +98,11 @@ def test_a_study_ends_with_datasets_tables_and_figures(finished):
     assert {"spans.nc", "limits.nc"} <= {path.name for path in results.iterdir()}
     tables = {path.name for path in (results / "tables").iterdir()}
     assert {"spans_errors.csv", "spans_errors.md", "spans_tensions.csv", "spans_status.csv"} <= tables
-    assert {path.name for path in (results / "figures").iterdir()} == {"spans_sag.svg", "spans_sag.png"}
+    assert {path.name for path in (results / "figures").iterdir()} == {
+        "spans_sag.svg",
+        "spans_sag.pdf",
+        "spans_sag.png",
+    }
 
 
 def test_the_dataset_is_labelled_and_failed_means_nan(finished):

@@ -1,6 +1,6 @@
 """The `figures` part of a scene file: what each picture shows, rehearsed before anything is solved."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -210,7 +210,8 @@ def _read_spatial(node: Node, stage: Stage) -> dict[str, Any]:
     return {
         "shapes": read_shapes(node, keys, None, stage),
         "methods": read_methods(keys, stage),
-        "labels": {side: side_label("profile", side) for side in COMPONENTS},
+        # There is room for letters alone.
+        "labels": {side: replace(side_label("profile", side), words="") for side in COMPONENTS},
     }
 
 

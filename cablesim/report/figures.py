@@ -182,7 +182,9 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     edges = [cell_edges(side.values, name in settings["log"]) for name, side in (("x", x), ("y", y))]
     mesh = axes.pcolormesh(*edges, shown, norm=norm, cmap="viridis", rasterized=True)
     ticks = None if norm is None or logarithmic else norm.boundaries[:-1] + 0.5
-    drawn.colorbar(mesh, ax=axes, label=figure.label("value").text, ticks=ticks)
+    bar = drawn.colorbar(mesh, ax=axes, label=figure.label("value").text, ticks=ticks)
+    if logarithmic and positive.size:
+        _count_few_decades(bar.ax.yaxis, positive.min(), positive.max())
     if settings["contours"]:
         levels = [level * figure.label("value").factor for level in settings["contours"]]
         lines = axes.contour(x.values, y.values, shown, levels=levels, colors="white", linewidths=1.2)
@@ -274,8 +276,12 @@ def _scales(axes: Any, log: str) -> None:
     for column, (name, set_scale, limits, axis) in enumerate(sides):
         if name in log and (points[:, column] > 0.0).any():
             set_scale("log", nonpositive="mask")
-            low, high = limits()
-            if high < low * 10.0**FEW_DECADES:
-                axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-                axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-                axis.set_minor_formatter(NullFormatter())
+            _count_few_decades(axis, *limits())
+
+
+def _count_few_decades(axis: Any, low: float, high: float) -> None:
+    """Numbers between the powers of ten, where there are few of these."""
+    if high < low * 10.0**FEW_DECADES:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())

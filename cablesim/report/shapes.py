@@ -12,8 +12,10 @@ from cablesim.config.scene import Scene
 from cablesim.report.drawing import NOTE, PAGE, PALETTE, curves, draw_points, legend
 from cablesim.report.sections import draw_sections, section_legend
 
-# In inches, of a page's width: what is not panels. Thinnest side of the box around lines in space, beside the longest.
+# In inches: of a page's width what is not panels, and how high a panel is.
 AROUND = 1.0
+LOWEST, HIGHEST = 1.6, 5.0
+# Of the box around lines in space, beside its longest side.
 THINNEST = 0.6
 # A panel that is stretched by a factor of its own: at most how high it is beside its width.
 FLATTEST = 0.3
@@ -71,11 +73,11 @@ def _size(grid: Any, settings: dict[str, Any]) -> tuple[float, float]:
     rows, columns = grid.shape
     panel = (PAGE - AROUND) / columns
     if settings["stretch"] is None:
-        return PAGE, (panel * FLATTEST + 0.6) * rows + 1.4
+        return PAGE, (panel * FLATTEST + 0.8) * rows + 1.4
     limits = [(axes.get_xlim(), axes.get_ylim()) for axes in grid.flat[: len(settings["panels"])]]
     width = max(right - left for (left, right), _ in limits)
     height = settings["stretch"] * max(top - bottom for _, (bottom, top) in limits)
-    return PAGE, rows * float(np.clip(panel * height / width, 1.0, 5.0)) + 1.6
+    return PAGE, rows * float(np.clip(panel * height / width, LOWEST, HIGHEST)) + 1.6
 
 
 def _draw_panel(axes: Any, dataset: xr.Dataset, shapes: list[Shape], figure: Figure) -> None:
@@ -117,7 +119,7 @@ def draw_spatial(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
     _stream_arrows(axes, dataset, shapes, low, high)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set(xlabel=figure.label("x").text, ylabel=figure.label("y").text, zlabel=figure.label("z").text)
-    axes.set_box_aspect(high - low, zoom=1.1)
+    axes.set_box_aspect(high - low, zoom=1.0)
     axes.locator_params(nbins=5)
     drawn.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return drawn

@@ -78,10 +78,9 @@ def elements(places: np.ndarray) -> list[np.ndarray]:
 
 
 def colour_values(tension: np.ndarray, norm: Normalize) -> np.ndarray:
-    """What the elements are coloured by: the mean tension of their ends; less than nothing where one is slack."""
-    first, second = tension[:, :-1], tension[:, 1:]
-    is_slack = np.minimum(first, second) < SLACK * float(norm.vmax or 1.0)
-    return np.where(is_slack, -1.0, 0.5 * (first + second)).ravel()
+    """What the elements are coloured by: the mean tension of their ends; less than nothing where it is hardly any."""
+    mean = 0.5 * (tension[:, :-1] + tension[:, 1:])
+    return np.where(mean < SLACK * float(norm.vmax or 1.0), -1.0, mean).ravel()
 
 
 def _norm(tensions: list[np.ndarray]) -> Normalize:

@@ -183,7 +183,7 @@ def test_run_makes_dataset_tables_and_figures(here: Path, ask: Ask) -> None:
     assert "results/good/good.nc: 2 scenarios" in answer.text
     results = here / "results" / "good"
     assert (results / "good.nc").is_file()
-    assert {path.name for path in (results / "figures").iterdir()} == {"good_sag.svg", "good_sag.png", "good_sag.pdf"}
+    assert {path.name for path in (results / "figures").iterdir()} == {"good_sag.svg", "good_sag.pdf", "good_sag.png"}
     tables = {path.name for path in (results / "tables").iterdir()}
     assert tables >= {f"good_{kind}.{suffix}" for kind in ("status", "tensions") for suffix in ("csv", "md")}
     assert not [path for path in here.rglob("*") if path.name.endswith(".part")]

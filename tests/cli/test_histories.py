@@ -1,6 +1,7 @@
 """Histories, all the way from a solver that records them to shards, datasets, queries and figures."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from PIL import Image
 
 from cablesim.config.scene import read_scene
 from cablesim.costs import BESIDE, Sizes
@@ -16,7 +18,8 @@ from cablesim.database.query import query
 from cablesim.database.reading import open_scene, read_dataset
 from cablesim.plan import read_plan
 from cablesim.quantities import PLACES
-from cablesim.report import figures
+from cablesim.report import animations, figures, snapshots
+from cablesim.report.snapshots import Motion
 from cablesim.solver import load_solver
 from cablesim.steps import run_scene
 from cablesim.study import Layout
@@ -336,12 +339,50 @@ def test_snapshots_are_coloured_by_tension_on_one_scale_for_all_panels(tmp_path,
     assert bar.get_ylabel() == "tension $T$ [kN]; motion × 2"
 
 
-@pytest.mark.parametrize("kind", ["history", "orbit", "snapshots"])
+def test_elements_with_hardly_any_tension_have_a_colour_of_their_own(tmp_path, monkeypatch):
+    picture = drawn(tmp_path, monkeypatch, kind="snapshots", **PANELS, **AMPLITUDE, method="fine")
+    assert "orange" not in picture.axes[-1].get_ylabel()
+    norm = picture.axes[0].collections[0].norm
+    tension = np.array([[0.0, 0.01, 1.1]])
+    np.testing.assert_allclose(snapshots.colour_values(tension, norm), [-1.0, 0.555])
+
+
+def test_an_animation_runs_through_the_period_and_begins_again(tmp_path):
+    look = {"kind": "animation", **PANELS, **AMPLITUDE, "method": "fine", "magnify": 2}
+    run(tmp_path, figures={"look": look})
+    folder = tmp_path / "results" / "figures"
+    assert {path.suffix for path in folder.glob("swung_look.*")} == {".gif", ".svg", ".pdf", ".png"}
+    assert (folder / "swung_look.gif").stat().st_size < 1_000_000
+    with Image.open(folder / "swung_look.gif") as picture:
+        assert (picture.n_frames, picture.info["loop"]) == (animations.FRAMES, 0)
+        frames = [np.asarray(picture.convert("RGB"), dtype=float)]
+        for number in range(1, animations.FRAMES):
+            picture.seek(number)
+            frames.append(np.asarray(picture.convert("RGB"), dtype=float))
+    changes = [np.abs(after - before).mean() for before, after in pairwise([*frames, frames[0]])]
+    # No jump where it begins again, and something moves all the time.
+    assert min(changes) > 0.0 and changes[-1] < 2.0 * np.median(changes)
+
+
+def test_between_the_phases_a_line_moves_smoothly_and_passes_through_them():
+    phase = 2.0 * np.pi * np.arange(16) / 16
+    places = np.stack([np.cos(phase), np.sin(phase)], axis=1)[:, None, :]
+    tension = np.arange(16.0)[:, None]
+    moved = animations.between(Motion(places[0], places, tension), 48)
+    np.testing.assert_allclose(moved.places[::3], places, atol=1e-14)
+    np.testing.assert_allclose(moved.tension[::3], tension)
+    # A circle by splines of a sixteenth each: off by h^4/384, h = pi/8.
+    np.testing.assert_allclose(np.linalg.norm(moved.places, axis=-1), 1.0, atol=1e-4)
+    assert moved.tension[:4, 0].tolist() == pytest.approx([0.0, 1 / 3, 2 / 3, 1.0])
+    assert moved.tension[-1, 0] == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("kind", ["history", "orbit", "snapshots", "animation"])
 def test_a_line_without_a_solution_leaves_an_empty_picture(kind, tmp_path):
-    method = {"method": "fine"} if kind == "snapshots" else {}
+    method = {"method": "fine"} if kind in ("snapshots", "animation") else {}
     point = {"depth": "2 m", "top_amplitude": "3 m"}
     assert run(tmp_path, figures={"look": {"kind": kind, "point": point, **method}}).status.max() == 1
-    for suffix in ("svg", "png"):
+    for suffix in ("svg", "pdf", "png", *(["gif"] if kind == "animation" else [])):
         assert (tmp_path / "results" / "figures" / f"swung_look.{suffix}").stat().st_size > 0
 
 
@@ -350,13 +391,30 @@ def test_the_same_picture_is_the_same_bytes(tmp_path):
         "a": {"kind": "history", **PANELS, **AMPLITUDE},
         "b": {"kind": "orbit", **POINT},
         "c": {"kind": "snapshots", **POINT, "method": "fine"},
+        "d": {"kind": "animation", **POINT, "method": "fine"},
     }
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         run(tmp_path / name, figures=looks)
-    for look in looks:
-        one, two = (tmp_path / name / "results" / "figures" / f"swung_{look}.svg" for name in ("one", "two"))
-        assert one.read_bytes() == two.read_bytes()
+    first = sorted((tmp_path / "one" / "results" / "figures").glob("swung_*.*"))
+    assert [path.suffix for path in first].count(".gif") == 1 and len(first) == 3 * len(looks) + 1
+    for one in first:
+        assert one.read_bytes() == (tmp_path / "two" / "results" / "figures" / one.name).read_bytes()
+
+
+def test_a_pdf_has_letters_that_can_be_searched_and_no_clock(tmp_path):
+    run(tmp_path, figures={"look": {"kind": "orbit", **POINT}})
+    page = (tmp_path / "results" / "figures" / "swung_look.pdf").read_bytes()
+    assert b"/FontFile2" in page and b"/Type3" not in page and b"CreationDate" not in page
+
+
+def test_tensions_are_shown_in_the_unit_that_is_asked_for(tmp_path, monkeypatch):
+    picture = drawn(tmp_path, monkeypatch, kind="history", **POINT, methods=["fine"], y_unit="N", x_unit="min")
+    assert picture.get_supylabel() == "tension at the top $T$ [N]"
+    assert picture.axes[0].get_xlabel() == "time $t$ [min]"
+    x, y = picture.axes[0].lines[0].get_xdata(), picture.axes[0].lines[0].get_ydata()
+    np.testing.assert_allclose(x, np.linspace(0.0, 0.8, 13), rtol=1e-6)
+    np.testing.assert_allclose(y, 1e3, rtol=1e-6)
 
 
 def test_a_shape_in_space_has_arrows_for_the_waves(tmp_path, monkeypatch):
