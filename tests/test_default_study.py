@@ -2,8 +2,11 @@
 
 import doctest
 import io
+import json
+import math
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -15,12 +18,15 @@ from urllib.parse import unquote, urlsplit
 import pandas as pd
 import pytest
 
+from cablesim.cli import main
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.report.answer import NO_VALUE, written_answer
 from cablesim.report.precision import work_and_precision
-from cablesim.solver import peer_names, solver_names
+from cablesim.report.tables import EFFORTS, LEFT_OVER
+from cablesim.solver import load_solver, peer_names, solver_names
 from cablesim.study import Layout, read_study
+from tests.browser import Opened, chromium, opened
 from tests.test_published import table
 from tests.write_pages import STUDY_PAGES, blocks, plain, printed
 
@@ -91,7 +97,6 @@ KNOWN = {
     "extreme_towlines": "13034 of the 13034",
     "segment_error": "is of order 1.00, its midpoint variant of order 2.00",
     "paper_claims": "9 in setting 3",
-    "stability_wave": "generalized alpha solves 83",
 }
 SCENE_FILES = read_study(PROJECT / "config" / "config.yaml").scene_paths
 
@@ -102,6 +107,52 @@ def test_every_scene_answers_its_question_with_numbers_that_there_are(name, defa
     assert KNOWN.get(name, "") in text
     assert re.search(r"[0-9]", text)
     assert not re.search(rf"(?<!\S){NO_VALUE}(?![\w.])|nan|inf\b", text), text
+
+
+# ---- the page ----
+
+
+@pytest.fixture(scope="module")
+def report(default_study) -> Iterator[Opened]:
+    """The page of the default study, opened where no host can be reached."""
+    with chromium() as browser, opened(browser, default_study / "results" / "default" / "report.html") as found:
+        yield found
+
+
+def test_the_page_is_small_enough_to_mail(default_study):
+    assert (default_study / "results" / "default" / "report.html").stat().st_size < 5e6
+
+
+def test_every_figure_of_the_page_has_marks_and_nothing_is_asked_or_complained_of(report, default_study):
+    study = read_study(default_study / "config" / "config.yaml")
+    marks = report.draw_all()
+    assert len(marks) == sum(len(scene.figures) for scene in study.scenes)
+    assert {name: counts for name, counts in marks.items() if not all(counts)} == {}
+    assert report.asked == [(default_study / "results" / "default" / "report.html").resolve().as_uri()]
+    assert report.said == []
+
+
+@pytest.mark.parametrize("name", [path.stem for path in SCENE_FILES])
+def test_the_page_s_command_solves_the_scenario_that_it_is_shown_for(name, report, capsys):
+    """By every solver of the scene, in the middle of its design: all outputs are numbers of the page again."""
+    scenarios = report.page.evaluate("async name => (await cablesim.unpack(name)).scenarios", name)
+    number = math.prod(axis["size"] for axis in scenarios["axes"]) // 2
+    solvers = {method["solver"]: at for at, method in reversed(list(enumerate(scenarios["methods"])))}
+    for solver, at in solvers.items():
+        shown = report.page.evaluate("([name, i, j]) => cablesim.scenarioOf(name, i, j)", [name, number, at])
+        command = shlex.split(shown["command"])
+        assert command[:3] == ["cablesim", "solve", solver]
+        asked = [output for output in shown["outputs"] if output in load_solver(solver).outputs]
+        capsys.readouterr()
+        main([*command[1:], "--json", *(["--outputs", ",".join(asked)] if asked else [])])
+        again = json.loads(capsys.readouterr().out)
+        if shown["status"] is not None:
+            assert again["status"] == shown["status"].replace(" ", "_")
+        for output in asked:
+            told = [math.nan if value is None else value for value in (shown["outputs"][output], again[output])]
+            # The page has eight digits; what is left over of an equation may differ by rounding errors.
+            small = 1e-9 if output in (*EFFORTS, *LEFT_OVER) else 0.0
+            assert told[0] == pytest.approx(told[1], rel=5.1e-8, abs=small, nan_ok=True), f"{solver}: {output}"
 
 
 # ---- error against run time ----
