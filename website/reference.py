@@ -4,8 +4,9 @@ from importlib.metadata import version
 
 import click
 
+from cablesim import units
 from cablesim.cli import EXIT_BUG, EXIT_ENVIRONMENT, EXIT_FLAGGED, EXIT_MISTAKE, cli
-from cablesim.quantities import TABLE, Quantity
+from cablesim.quantities import TABLE
 from cablesim.solver import load_solver, solver_names
 from cablesim.status import SENTENCES, Status, Verdict
 from website.text import table, wide
@@ -126,7 +127,7 @@ def quantities() -> str:
             (
                 f"`{row.name}`",
                 f"${row.symbol}$",
-                unit(row),
+                units.shown(row.unit),
                 row.meaning + (f" (over {', '.join(row.dims)})" if row.dims else ""),
                 links(taken[row.name]),
                 links(answered[row.name]),
@@ -134,11 +135,6 @@ def quantities() -> str:
             for row in rows
         ),
     )
-
-
-def unit(row: Quantity) -> str:
-    """Nothing for a pure number."""
-    return "" if row.unit == "1" else row.shown_unit
 
 
 def links(solvers: list[str]) -> str:

@@ -4,11 +4,11 @@ import ast
 import inspect
 import re
 
+from cablesim import units
 from cablesim.parameters import OptionSpec, ParameterSpec
 from cablesim.quantities import COMPONENTS, quantity
 from cablesim.solver import Solver, load_solver, peer_names, solver_names
 from website.places import SOLVERS
-from website.reference import unit
 from website.text import table
 
 INDEX = """# Solvers
@@ -71,7 +71,7 @@ def _parameters(solver: Solver) -> str:
         (
             f"`{s.name}`",
             f"${quantity(s.name).symbol}$",
-            unit(quantity(s.name)),
+            units.shown(quantity(s.name).unit),
             quantity(s.name).meaning,
             _allowed(s),
             _left_out(s),
@@ -106,4 +106,6 @@ def _default(option: OptionSpec) -> str:
 def _outputs(solver: Solver) -> str:
     rows = (quantity(name) for name in solver.outputs)
     heads = ("output", "symbol", "unit", "meaning", "over")
-    return table(heads, ((f"`{r.name}`", f"${r.symbol}$", unit(r), r.meaning, ", ".join(r.dims)) for r in rows))
+    return table(
+        heads, ((f"`{r.name}`", f"${r.symbol}$", units.shown(r.unit), r.meaning, ", ".join(r.dims)) for r in rows)
+    )
