@@ -1,15 +1,23 @@
 """The page of a study in a browser that reaches no host: figures, clicks, tables, names that would like to be code."""
 
+import base64
 import csv
+import gzip
 import io
+import itertools
 import json
 import re
 import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from cablesim.cli import main
+from cablesim.config.scene import read_scene
+from cablesim.database.reading import read_dataset
+from cablesim.report.page import map_panels, part, scenarios, write
+from cablesim.study import Layout
 from tests.browser import chromium, opened
 
 # What a title, a label or a message must never become.
@@ -205,3 +213,97 @@ def test_print_has_every_question_and_no_buttons(browser, results):
         assert not any(button.is_visible() for button in found.page.locator("button").all())
         assert found.page.locator(".question").is_visible() and found.page.locator(".answer").is_visible()
         assert found.page.pdf().startswith(b"%PDF")
+
+
+# ---- parts ----
+
+SMALL = """
+title: {0}
+design: {{grid: {{span: {{start: 1 m, stop: 2 m, num: {1}}}}}}}
+fixed: {{line_length: 3 m, weight_per_length: 1 N/m}}
+methods: {{exact: {{solver: catenary_exact}}}}
+outputs: [sag, profile]
+"""
+
+
+def run(folder: Path, name: str, points: int = 3, title: str = "A scene") -> Path:
+    path = folder / f"{name}.yaml"
+    path.write_text(SMALL.format(title, points), encoding="utf-8")
+    assert main(["run", str(path), "--out", str(folder / "results")]) == 0
+    return path
+
+
+def scenarios_in(page_part: Path) -> dict:
+    return unpacked(json.loads(page_part.read_text(encoding="utf-8"))["packed"])["scenarios"]
+
+
+def unpacked(text: str) -> dict:
+    return json.loads(gzip.decompress(base64.b64decode(text)))
+
+
+def test_scenes_of_a_folder_share_its_page(tmp_path):
+    for name in ("second", "first"):
+        run(tmp_path, name, title=f"The {name}")
+    text = (tmp_path / "results" / "report.html").read_text(encoding="utf-8")
+    assert text.index("The first") < text.index("The second")
+    assert (tmp_path / "results" / "report.html").stat().st_size < 2e6
+
+
+def test_a_part_is_made_anew_only_where_its_scene_has_changed(tmp_path, monkeypatch):
+    paths = [run(tmp_path, name) for name in ("one", "two")]
+    made = []
+    monkeypatch.setattr(write, "scene_part", lambda scene, *_: made.append(scene.name) or part.scene_part(scene, *_))
+    layout = Layout(tmp_path / "results")
+    write.write_page(layout, [read_scene(path) for path in paths])
+    assert made == []
+    paths[1].write_text(paths[1].read_text() + "answer: Another answer.\n")
+    write.write_page(layout, [read_scene(path) for path in paths])
+    assert made == ["two"]
+    assert "Another answer." in layout.page.read_text(encoding="utf-8")
+    # A damaged part is made anew; that of a scene that is not among these is left out.
+    layout.page_part("one").write_text("{")
+    write.write_page(layout, [read_scene(paths[1])])
+    assert 'id="one"' not in layout.page.read_text(encoding="utf-8")
+    write.write_page(layout, [read_scene(path) for path in paths])
+    assert made == ["two", "one"]
+
+
+def test_what_is_too_much_for_a_page_is_left_out_and_said(tmp_path, monkeypatch):
+    run(tmp_path, "whole")
+    whole = scenarios_in(tmp_path / "results" / "report" / "whole.json")
+    assert whole["left_out"] == [] and "profiles" in whole
+    monkeypatch.setattr(scenarios, "MOST_CURVE_NUMBERS", 3 * 33 * 2 - 1)
+    run(tmp_path, "lines")
+    lines = scenarios_in(tmp_path / "results" / "report" / "lines.json")
+    assert lines["left_out"] == ["the shapes of 3 lines are too many for this page"] and "profiles" not in lines
+    assert [output["name"] for output in lines["outputs"]] == ["sag", "run_time"]
+    monkeypatch.setattr(scenarios, "MOST_NUMBERS", 5)
+    run(tmp_path, "numbers")
+    numbers = scenarios_in(tmp_path / "results" / "report" / "numbers.json")
+    assert numbers["left_out"] == ["outputs of 3 scenarios are too many for this page"] and numbers["outputs"] == []
+    # A command needs the parameters only.
+    assert numbers["axes"][0]["parameters"]["span"] == [1.0, 1.5, 2.0]
+    monkeypatch.setattr(scenarios, "MOST_POINTS", 2)
+    run(tmp_path, "points")
+    assert scenarios_in(tmp_path / "results" / "report" / "points.json") == {
+        "left_out": ["3 scenarios are too many for this page"]
+    }
+
+
+def test_lines_are_held_to_a_part_in_four_thousand(tmp_path):
+    run(tmp_path, "line")
+    held = scenarios_in(tmp_path / "results" / "report" / "line.json")["profiles"]
+    profile = read_dataset(tmp_path / "results" / "line.nc").profile.isel(method=0)
+    assert held["components"] == ["x", "z"] and held["length"] == 33
+    for curve, (scenario, component) in enumerate(itertools.product(range(3), "xz")):
+        steps = np.array(held["values"]).reshape(-1, held["length"])[curve]
+        low, high = held["lowest"][curve], held["highest"][curve]
+        nodes = np.linspace(0, profile.sizes["node"] - 1, held["length"]).round().astype(int)
+        exact = profile.isel(span=scenario, node=nodes).sel(component=component).values
+        np.testing.assert_allclose(low + (high - low) * steps / held["steps"], exact, atol=0.51 * (high - low) / 4000)
+
+
+def test_the_documentation_tells_the_limits_of_the_page():
+    text = (Path(__file__).parents[1] / "docs" / "report.md").read_text(encoding="utf-8")
+    limits = (scenarios.MOST_NUMBERS, scenarios.MOST_CURVE_NUMBERS, part.MOST_CELLS, map_panels.MOST_CELLS)
+    assert [f"{limit:,}" in text for limit in limits] == [True] * 4

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from cablesim.config.scene import Scene
+from cablesim.report.answer import written_answer
 from website.study import Finished
 from website.text import scene_link, wide
 
@@ -11,7 +12,7 @@ MOVING = ".gif"
 HEAD = """# Gallery
 
 What `make study` draws, scene by scene. Each scene is one question in one file, which can be copied and changed; its
-figures lie as SVG and PNG in `results/default/figures/`.
+figures lie as SVG, PDF and PNG in `results/default/figures/`.
 """
 
 
@@ -20,7 +21,7 @@ def pages(study: Finished) -> dict[str, str]:
     found = figures(study)
     shown = [scene for scene in study.scenes if found[scene.name]]
     shown.sort(key=lambda scene: not any(path.suffix == MOVING for path in found[scene.name]))
-    text = HEAD + "\n" + "\n".join(_section(scene, found[scene.name]) for scene in shown)
+    text = HEAD + "\n" + "\n".join(_section(study, scene, found[scene.name]) for scene in shown)
     return {"gallery.md": wide(text, "navigation")}
 
 
@@ -33,18 +34,18 @@ def figures(study: Finished) -> dict[str, list[Path]]:
     """The pictures of each scene; one scene's name may be the beginning of another's."""
     names = [scene.name for scene in study.scenes]
     found: dict[str, list[Path]] = {name: [] for name in names}
-    for path in sorted((*study.layout.figures.glob("*"), *(study.layout.root / "animations").glob("*"))):
+    for path in sorted(study.layout.figures.glob("*")):
         owners = [name for name in names if path.stem.startswith(f"{name}_")]
         if path.suffix in (".png", MOVING) and owners:
             found[max(owners, key=len)].append(path)
     return found
 
 
-def _section(scene: Scene, paths: list[Path]) -> str:
+def _section(study: Finished, scene: Scene, paths: list[Path]) -> str:
     shown = "\n\n".join(_picture(scene, path) for path in paths)
-    question = f"{scene.question}\n\n" if scene.question else ""
     pictures = f'<div class="pictures" markdown>\n\n{shown}\n\n</div>\n'
-    return f"## {scene.title}\n\n{question}{scene_link(scene)}\n\n{pictures}"
+    answer = f"{written_answer(study.layout.tables, scene.name)}\n\n"
+    return f"## {scene.title}\n\n*{scene.question}*\n\n{answer}{scene_link(scene)}\n\n{pictures}"
 
 
 def _picture(scene: Scene, path: Path) -> str:

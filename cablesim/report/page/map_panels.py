@@ -22,7 +22,8 @@ MOST_CELLS = 10_000
 # So many whole numbers have a colour each.
 MOST_STEPS = 8
 ROW_HEIGHT, PANEL_HEIGHT = 22, 160
-STROKE = "#111111"
+# Stands out from every shade and status.
+STROKE = "#E7298A"
 
 
 @dataclass(frozen=True)

@@ -98,7 +98,7 @@
     background: "#ffffff",
     font: "system-ui, sans-serif",
     view: { stroke: "#bbbbbb" },
-    axis: { gridColor: "#e3e3e3", labelFontSize: 11, titleFontSize: 12, titleFontWeight: 500, labelOverlap: true, titleLimit: width - 40 },
+    axis: { gridColor: "#e3e3e3", labelFontSize: 11, titleFontSize: 12, titleFontWeight: 500, labelOverlap: "greedy", labelSeparation: 5, titleLimit: width - 40 },
     axisY: { titleLimit: 300 },
     legend: {
       orient: "bottom", labelFontSize: 11, titleFontSize: 11, titleFontWeight: 500, labelLimit: width - 70, titleLimit: width - 40,

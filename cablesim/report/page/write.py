@@ -29,16 +29,16 @@ SNIPPET = "window.vegaEmbed = vegaEmbed;"
 def write_page(layout: Layout, scenes: Iterable[Scene]) -> None:
     """Write `report.html` with these scenes first, then all others that have a part in the folder.
 
-    A part is made anew where the dataset of its scene, its tables or the code has changed.
+    A part is made anew where its scene, the dataset, the tables or the code has changed; that of another scene is left
+    out where the code has.
     """
-    order = []
-    for scene in scenes:
-        _update_part(layout, scene)
-        order.append(scene.name)
-    known = {path.stem: path for path in layout.page_parts()}
-    others = [name for name in known if name not in order and layout.dataset(name).exists()]
-    parts = [json.loads(known[name].read_text(encoding="utf-8")) for name in [*order, *others]]
-    write_text(layout.page, page(layout.root.name, parts))
+    order = [_updated(layout, scene) for scene in scenes]
+    names = {part["scene"] for part in order}
+    others = [
+        _read(path) for path in layout.page_parts() if path.stem not in names and layout.dataset(path.stem).exists()
+    ]
+    known = [part for part in others if part.get("code") == part_digest()]
+    write_text(layout.page, page(layout.root.name, [*order, *known]))
 
 
 def page(study: str, parts: list[dict[str, Any]]) -> str:
@@ -75,27 +75,25 @@ def page(study: str, parts: list[dict[str, Any]]) -> str:
     )
 
 
-def _update_part(layout: Layout, scene: Scene) -> None:
-    """Make the part of a scene, unless it is there for the same content."""
-    path = layout.page_part(scene.name)
-    dataset = recorded_digest(layout.dataset(scene.name))
-    content = [
-        scene.digest,
-        dataset,
-        part_digest(),
-        *map(digest_of, table_files(scene, layout)),
-    ]
-    digest = hashlib.sha256(" ".join(content).encode()).hexdigest()[:16]
-    if _part_digest(path) != digest:
-        part = scene_part(scene, read_dataset(layout.dataset(scene.name)), layout)
-        write_text(path, json.dumps({"digest": digest, **part}, ensure_ascii=False))
+def _updated(layout: Layout, scene: Scene) -> dict[str, Any]:
+    """The part of a scene, made anew unless it is there for the same content."""
+    path, dataset = layout.page_part(scene.name), layout.dataset(scene.name)
+    made_from = [digest_of(scene.path), recorded_digest(dataset), *map(digest_of, table_files(scene, layout))]
+    made = {"code": part_digest(), "digest": hashlib.sha256(" ".join(made_from).encode()).hexdigest()[:16]}
+    found = _read(path)
+    if {name: found.get(name) for name in made} != made:
+        found = {**made, **scene_part(scene, read_dataset(dataset), layout)}
+        write_text(path, json.dumps(found, ensure_ascii=False))
+    return found
 
 
-def _part_digest(path: Path) -> str:
+def _read(path: Path) -> dict[str, Any]:
+    """A part; nothing where it is not there, or damaged."""
     try:
-        return str(json.loads(path.read_text(encoding="utf-8"))["digest"])
-    except (OSError, ValueError, KeyError):
-        return ""
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return found if isinstance(found, dict) else {}
+    except (OSError, ValueError):
+        return {}
 
 
 @cache
