@@ -15,9 +15,9 @@ from cablesim.quantities import component_names
 from cablesim.report.drawing import evaluated, value_in_words
 from cablesim.report.page.columns import Columns, column
 from cablesim.report.page.panel import (
-    DASHES,
     Panel,
     coloured,
+    dashed,
     fading,
     hollow,
     joined,
@@ -89,12 +89,7 @@ def _along(dataset: xr.Dataset, numbers: xr.DataArray, figure: Figure) -> tuple[
             lines.append({**line, "formula": [label] * len(line["x"])})
     channels = {"color": coloured(list(series), list(series.values()))}
     if len(settings["y"]) > 1:
-        channels["strokeDash"] = alt.StrokeDash(
-            "formula:N",
-            sort=None,
-            scale=alt.Scale(domain=list(settings["y"]), range=[DASHES[i % len(DASHES)] for i in range(len(lines))]),
-            legend=alt.Legend(title=None, symbolType="stroke"),
-        )
+        channels["strokeDash"] = dashed(list(settings["y"]), list(range(len(settings["y"]))), "formula:N")
     return joined(lines), channels
 
 

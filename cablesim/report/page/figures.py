@@ -9,9 +9,10 @@ from cablesim.config.scene import Scene
 from cablesim.errors import InputError
 from cablesim.report.drawing import word
 from cablesim.report.page.curve_panels import curve_panels
-from cablesim.report.page.line_panels import orbit_panels, profile_panels, snapshot_panels, spatial_panels
+from cablesim.report.page.line_panels import profile_panels, spatial_panels
 from cablesim.report.page.map_panels import map_panels, status_panels
 from cablesim.report.page.method_panels import audit_panels, convergence_panels, precision_panels
+from cablesim.report.page.motion_panels import orbit_panels, snapshot_panels
 from cablesim.report.page.time_panels import history_panels
 
 PANELS = {

@@ -13,7 +13,7 @@ from cablesim.report.drawing import PALETTE, word
 from cablesim.report.figures import FLAG_COLOURS
 from cablesim.report.orders import convergences
 from cablesim.report.page.columns import Columns, column
-from cablesim.report.page.panel import DASHES, Panel, coloured, dashed, fading, joined, movable, rows
+from cablesim.report.page.panel import Panel, coloured, dashed, fading, joined, movable, rows
 from cablesim.report.precision import TARGETS, WorkAndPrecision, Worth, changed_options, work_and_precision
 from cablesim.report.precision_figure import FRONT, LEAST, groups
 
@@ -58,7 +58,7 @@ def _log_lines(data: Columns, figure: Figure) -> Panel:
         x=alt.X("x:Q", title=figure.label("x").plain, scale=LOGARITHMIC),
         y=alt.Y("y:Q", title=figure.label("y").plain, scale=LOGARITHMIC, axis=alt.Axis(format="~e")),
         color=coloured(names),
-        strokeDash=dashed(names, [DASHES[i % len(DASHES)] for i in range(len(names))]),
+        strokeDash=dashed(names, list(range(len(names)))),
         opacity=opacity,
         tooltip=["method:N", "x:Q", alt.Tooltip("y:Q", format=".3~g"), alt.Tooltip("series:N", title=" ")],
     )

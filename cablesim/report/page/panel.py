@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from cablesim.config.figure_file import Figure
+from cablesim.config.figure_parts import Shape
 from cablesim.report.drawing import PALETTE, Styled
 from cablesim.report.page.columns import Columns, Grid, column
 
@@ -57,6 +58,11 @@ def scenario_numbers(dataset: xr.Dataset) -> xr.DataArray:
     return xr.DataArray(np.arange(int(np.prod(sizes))).reshape(sizes), dims=axes)
 
 
+def scenario_number(dataset: xr.Dataset, shape: Shape) -> int:
+    """The number of one scenario."""
+    return int(scenario_numbers(dataset).isel(shape.position).item())
+
+
 def coloured(names: list[str], colours: list[str] | None = None) -> Any:
     """Colours of the series, which fade where another is chosen in the legend."""
     chosen = colours or [PALETTE[i % len(PALETTE)] for i in range(len(names))]
@@ -64,10 +70,11 @@ def coloured(names: list[str], colours: list[str] | None = None) -> Any:
     return alt.Color("series:N", scale=alt.Scale(domain=names, range=chosen), sort=None, legend=legend)
 
 
-def dashed(names: list[str], dashes: list[Any]) -> Any:
-    """Dashes of the series, in the same legend as their colours."""
+def dashed(names: list[str], dashes: list[int], by: str = "series:N") -> Any:
+    """Dashes of the series, by their numbers, in the same legend as their colours."""
     legend = alt.Legend(title=None, symbolType="stroke") if len(names) > 1 else None
-    return alt.StrokeDash("series:N", scale=alt.Scale(domain=names, range=dashes), sort=None, legend=legend)
+    shown = alt.Scale(domain=names, range=[DASHES[number % len(DASHES)] for number in dashes])
+    return alt.StrokeDash(by, scale=shown, sort=None, legend=legend)
 
 
 def styled_lines(styles: list[Styled]) -> dict[str, Any]:
@@ -75,7 +82,7 @@ def styled_lines(styles: list[Styled]) -> dict[str, Any]:
     labels = [style.label for style in styles]
     return {
         "color": coloured(labels, [PALETTE[style.colour] for style in styles]),
-        "strokeDash": dashed(labels, [DASHES[style.dashes] for style in styles]),
+        "strokeDash": dashed(labels, [style.dashes for style in styles]),
     }
 
 

@@ -8,7 +8,7 @@ from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
 from cablesim.report.drawing import Styled, styled
 from cablesim.report.page.columns import Columns, column
-from cablesim.report.page.panel import Panel, fading, joined, movable, rows, scenario_numbers, styled_lines
+from cablesim.report.page.panel import Panel, fading, joined, movable, rows, scenario_number, styled_lines
 
 HEIGHT = 160
 # How far the scale reaches beside the highest tension.
@@ -18,11 +18,10 @@ ABOVE = 1.04
 def history_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
     """Panels with the same scales."""
     settings, panels = figure.settings, []
-    numbers = scenario_numbers(dataset)
     drawn = []
     for panel in settings["panels"]:
         styles = styled(panel.shapes, settings["methods"])
-        drawn.append((panel.title, styles, joined([_line(dataset, one, numbers, figure) for one in styles])))
+        drawn.append((panel.title, styles, joined([_line(dataset, one, figure) for one in styles])))
     highest = max((t for *_, data in drawn for t in data["y"] if t is not None), default=1.0)
     for heading, styles, data in drawn:
         choice, opacity = fading()
@@ -38,16 +37,15 @@ def history_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pa
     return panels
 
 
-def _line(dataset: xr.Dataset, style: Styled, numbers: xr.DataArray, figure: Figure) -> Columns:
+def _line(dataset: xr.Dataset, style: Styled, figure: Figure) -> Columns:
     settings = figure.settings
     line = style.line(dataset)
     times = line.history_time.values
     shown = (times >= (settings["from"] or 0.0)) & (times <= (settings["to"] or np.inf))
     tension = line.history.sel(place=settings["place"]).values[shown] * figure.label("y").factor
-    number = int(numbers.isel(style.shape.position).item())
     return {
         "x": column(times[shown] * figure.label("x").factor),
         "y": column(tension),
         "series": [style.label] * tension.size,
-        "scenario": [number] * tension.size,
+        "scenario": [scenario_number(dataset, style.shape)] * tension.size,
     }
