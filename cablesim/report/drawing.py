@@ -134,10 +134,10 @@ def plain(text: str) -> str:
     return lowered(text.replace("$", r"\$"))
 
 
-def value_in_words(value: xr.DataArray, label: Label) -> str:
-    """A value with the unit that its label asks for, as a legend shows it."""
+def value_in_words(value: xr.DataArray, label: Label, unit: str) -> str:
+    """A value with the unit that its label asks for, written as it is shown: in TeX, or plain."""
     shown = written(value if value.dtype.kind in "SUOT" else value * label.factor)
-    return f"{shown}{'' if label.tex_unit in ('', '°') else ' '}{label.tex_unit}"
+    return f"{shown}{'' if unit in ('', '°') else ' '}{unit}"
 
 
 def evaluated(dataset: xr.Dataset, formula: str, label: Label) -> xr.DataArray:

@@ -150,7 +150,7 @@ def _shaded_curves(axes: Any, dataset: xr.Dataset, figure: Figure) -> None:
 
 def _point(part: xr.Dataset, axis: str, label: Label) -> str:
     """A point of an axis in words: a number, a word, or the components of a vector."""
-    return ", ".join(value_in_words(part[name], label) for name in component_names(axis))
+    return ", ".join(value_in_words(part[name], label, label.tex_unit) for name in component_names(axis))
 
 
 def _points(dataset: xr.Dataset, figure: Figure, formula: str) -> tuple[np.ndarray, np.ndarray]:

@@ -81,7 +81,7 @@ def _along(dataset: xr.Dataset, numbers: xr.DataArray, figure: Figure) -> tuple[
     lines, series = [], {}
     for i, shade in enumerate(shades):
         part, own = dataset.isel({axis: i}), numbers.isel({axis: i})
-        words = ", ".join(value_in_words(part[name], called) for name in component_names(axis))
+        words = ", ".join(value_in_words(part[name], called, called.shown_unit) for name in component_names(axis))
         value = f"{called.plain_words} = {words}"
         series[value] = shade
         for label, formula in settings["y"].items():

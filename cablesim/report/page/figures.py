@@ -55,14 +55,18 @@ def page_figures(scene: Scene, dataset: xr.Dataset) -> list[dict[str, Any]]:
             panels = PANELS[figure.kind](scene, dataset, figure)
         except InputError as problem:
             raise InputError(f"{scene.path}: figures.{figure.name}: {problem}") from None
-        about = {"name": figure.name, "title": _title(figure), "whole": figure.kind in WHOLE or len(panels) > 1}
+        about = {"name": figure.name, "title": _title(scene, figure), "whole": figure.kind in WHOLE or len(panels) > 1}
         found.append({**about, "panels": [panel.content for panel in panels]})
     return found
 
 
-def _title(figure: Figure) -> str:
+def _title(scene: Scene, figure: Figure) -> str:
     """What a figure shows, in words of its sides."""
     if figure.kind == "curves":
         shown = figure.label("y").plain_words or " and ".join(filter(None, figure.settings["y"]))
         return f"{shown} against {figure.label('x').plain_words}"
-    return figure.label("value").plain if figure.kind == "map" else f"{TITLES[figure.kind]}: {word(figure.name)}"
+    if figure.kind == "map":
+        return figure.label("value").plain
+    # The name of a figure tells it from others of its kind.
+    alone = [one.kind for one in scene.figures].count(figure.kind) == 1
+    return TITLES[figure.kind] + ("" if alone else f": {word(figure.name)}")

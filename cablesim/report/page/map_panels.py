@@ -89,7 +89,7 @@ def _fates_in_rows(grids: dict[str, Grid], colour: Any, figure: Figure) -> Panel
     chart = _marks().encode(
         x=_edge(figure, "x", along),
         x2="x2",
-        y=alt.Y("method:N", sort=None, title=None),
+        y=alt.Y("method:N", sort=None, title=None, axis=alt.Axis(labelOverlap=False)),
         color=colour,
         tooltip=[alt.Tooltip("x:Q", title=figure.label("x").plain, format="~g"), "method:N", "status:N"],
     )

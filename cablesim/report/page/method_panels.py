@@ -13,13 +13,13 @@ from cablesim.report.drawing import PALETTE, word
 from cablesim.report.figures import FLAG_COLOURS
 from cablesim.report.orders import convergences
 from cablesim.report.page.columns import Columns, column
-from cablesim.report.page.panel import Panel, coloured, dashed, fading, joined, movable, rows
+from cablesim.report.page.panel import Panel, coloured, dashed, fading, joined, movable, rows, scale
 from cablesim.report.precision import TARGETS, WorkAndPrecision, Worth, changed_options, work_and_precision
 from cablesim.report.precision_figure import FRONT, LEAST, groups
 
-LOGARITHMIC = alt.Scale(type="log")
 DIAGRAM_HEIGHT, CELL_HEIGHT = 360, 15
 MOST_ROWS = 60
+UNTOLD = "#B8B8B8"
 # More than there are colours, so that both together tell apart.
 MARKS = (
     "circle", "square", "diamond", "triangle-down", "cross", "triangle-up", "triangle-right", "triangle-left", "arrow",
@@ -55,14 +55,21 @@ def _log_lines(data: Columns, figure: Figure) -> Panel:
     choice, opacity = fading()
     line = rows().mark_line(point=True, strokeWidth=1.6)
     chart = line.encode(
-        x=alt.X("x:Q", title=figure.label("x").plain, scale=LOGARITHMIC),
-        y=alt.Y("y:Q", title=figure.label("y").plain, scale=LOGARITHMIC, axis=alt.Axis(format="~e")),
+        **_log_axes(figure, data),
         color=coloured(names),
         strokeDash=dashed(names, list(range(len(names)))),
         opacity=opacity,
         tooltip=["method:N", "x:Q", alt.Tooltip("y:Q", format=".3~g"), alt.Tooltip("series:N", title=" ")],
     )
     return Panel(movable(chart.add_params(choice)), {"rows": data}, height=DIAGRAM_HEIGHT)
+
+
+def _log_axes(figure: Figure, data: Columns) -> dict[str, Any]:
+    """Both sides, logarithmic."""
+    return {
+        "x": alt.X("x:Q", title=figure.label("x").plain, **scale(data["x"], True, padding=8)),
+        "y": alt.Y("y:Q", title=figure.label("y").plain, **scale(data["y"], True, padding=8)),
+    }
 
 
 def precision_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
@@ -72,8 +79,7 @@ def precision_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[
     data = joined(parts) if parts else {"x": [], "y": [], "series": []}
     names = list(dict.fromkeys(data["series"]))
     choice, opacity = fading()
-    x = alt.X("x:Q", title=figure.label("x").plain, scale=LOGARITHMIC, axis=alt.Axis(format="~e"))
-    y = alt.Y("y:Q", title=figure.label("y").plain, scale=LOGARITHMIC, axis=alt.Axis(format="~e"))
+    x, y = _log_axes(figure, data).values()
     legend = alt.Legend(title=None)
     shades = alt.Scale(domain=names, range=[PALETTE[i % len(PALETTE)] for i in range(len(names))])
     colour = alt.Color("series:N", sort=None, scale=shades, legend=legend)
@@ -93,8 +99,9 @@ def precision_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[
     mark = rows().mark_point(size=70, strokeWidth=1.6, opacity=1)
     point = mark.encode(x=x, y=y, color=colour, fill=fill, shape=shape, opacity=opacity, tooltip=tooltip)
     targets = rows("targets").mark_rule(strokeDash=[2, 3], color="#555555").encode(y=alt.Y("y:Q"))
-    layers = [front, targets, line, spread, movable(point.add_params(choice))]
-    tables = {"rows": data, "front": _front(found), "targets": {"y": list(TARGETS)}}
+    told = rows("told").mark_rule(color=UNTOLD, strokeWidth=3).encode(y="y:Q", tooltip="words:N")
+    layers = [front, targets, told, line, spread, movable(point.add_params(choice))]
+    tables = {"rows": data, "front": _front(found), "targets": {"y": list(TARGETS)}, "told": _told(found)}
     return [Panel(alt.layer(*layers), tables, height=DIAGRAM_HEIGHT)]
 
 
@@ -120,6 +127,13 @@ def _front(found: WorkAndPrecision) -> Columns:
     }
 
 
+def _told(found: WorkAndPrecision) -> Columns:
+    """Where errors end that the reference can tell; nothing where it tells all that are drawn."""
+    if not found.least_told > LEAST:
+        return {"y": [], "words": []}
+    return {"y": column([found.least_told]), "words": ["errors below this are not told apart from the reference's own"]}
+
+
 def audit_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
     """Every printed cell in the colour of its verdict; of a long table only the rows in which one does not agree."""
     table = audit_table(scene, dataset)
@@ -141,8 +155,13 @@ def audit_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pane
     }
     verdicts = alt.Scale(domain=list(words.values()), range=list(FLAG_COLOURS))
     base = rows().encode(
-        x=alt.X("column:N", sort=None, title=None, axis=alt.Axis(orient="top", labelAngle=-25, labelLimit=140)),
-        y=alt.Y("row:O", title="row"),
+        x=alt.X(
+            "column:N",
+            sort=None,
+            title=None,
+            axis=alt.Axis(orient="top", labelAngle=-25, labelLimit=140, labelOverlap=False),
+        ),
+        y=alt.Y("row:O", title="row", axis=alt.Axis(labelOverlap=False)),
     )
     legend = alt.Legend(title=None, symbolType="square")
     cells = base.mark_rect(stroke="white").encode(

@@ -1,5 +1,6 @@
 """What the interactive figures share: panels, colours, marks that can be clicked, and how far a panel can be moved."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -22,6 +23,8 @@ GREY = "#DDDDDD"
 MARGIN = 0.04
 # A logarithmic side of fewer decades has plain numbers.
 FEW_DECADES = 3.0
+# On a logarithmic side.
+MOST_NUMBERS = 9
 
 
 @dataclass(frozen=True)
@@ -134,16 +137,36 @@ def hollow(points: Columns) -> Any:
 
 
 def scale(values: Any, logarithmic: bool, **about: Any) -> dict[str, Any]:
-    """The scale of a side, and how its numbers are written."""
+    """The scale of a side, and where it has numbers: at powers of ten where the values span many."""
     if not logarithmic:
         return {"scale": alt.Scale(zero=False, **about)}
-    return {"scale": alt.Scale(type="log", **about), "axis": alt.Axis(format=log_format(values))}
+    axis = alt.Axis(format=log_format(values))
+    if spans_decades(values):
+        axis["values"] = powers_of_ten(values)
+    return {"scale": alt.Scale(type="log", **about), "axis": axis}
 
 
 def log_format(values: Any) -> str:
     """How numbers on a logarithmic scale are written: as powers of ten where they span many."""
-    known = np.array([value for value in values if value is not None and value > 0.0])
-    return "~e" if known.size and known.max() > known.min() * 10.0**FEW_DECADES else "~g"
+    return "~e" if spans_decades(values) else "~g"
+
+
+def spans_decades(values: Any) -> bool:
+    """Whether positive values span so many decades that numbers between their powers are too many."""
+    known = _positive(values)
+    return bool(known.size and known.max() > known.min() * 10.0**FEW_DECADES)
+
+
+def powers_of_ten(values: Any) -> list[float]:
+    """Powers of ten around positive values, evenly chosen where they are many."""
+    known = np.log10(_positive(values))
+    first, last = math.floor(known.min()), math.ceil(known.max())
+    step = math.ceil((last - first) / MOST_NUMBERS)
+    return [float(f"1e{power}") for power in range(first, last + 1, step)]
+
+
+def _positive(values: Any) -> np.ndarray:
+    return np.array([value for value in values if value is not None and value > 0.0])
 
 
 def box(*sides: np.ndarray) -> list[list[float]]:
