@@ -76,7 +76,7 @@ def precision_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[
     """Methods that differ in one option are joined; the front in grey; open marks where not everything is solved."""
     found = work_and_precision(scene, dataset)
     parts = [_group(name, members) for name, members in groups(scene, found, figure.settings["join"]).items()]
-    data = joined(parts) if parts else {"x": [], "y": [], "series": []}
+    data = joined(parts)
     names = list(dict.fromkeys(data["series"]))
     choice, opacity = fading()
     x, y = _log_axes(figure, data).values()

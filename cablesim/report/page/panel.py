@@ -16,6 +16,7 @@ from cablesim.report.page.columns import Columns, Grid, column
 
 # Height of the area of a panel in pixels, unless its scales are equal.
 HEIGHT = 240
+NOTHING: Columns = {"x": [], "y": [], "series": []}
 # Dashes in pixels, in the order of matplotlib's in `drawing`.
 DASHES = ([1, 0], [6, 3], [6, 2, 1, 2], [2, 2])
 GREY = "#DDDDDD"
@@ -109,14 +110,15 @@ def fading(**otherwise: Any) -> tuple[Any, Any]:
 
 def joined(parts: list[Columns]) -> Columns:
     """Columns below each other."""
-    return {name: [value for part in parts for value in part[name]] for name in parts[0]}
+    first = parts[0] if parts else NOTHING
+    return {name: [value for part in parts for value in part[name]] for name in first}
 
 
 def printed_points(figure: Figure) -> Columns:
     """The points of a printed table, a series for each of its formulas."""
     points = figure.settings["points"]
     if points is None:
-        return {"x": [], "y": [], "series": []}
+        return NOTHING
     x = points.table.evaluate(points.x) * figure.label("x").factor
     found = {label: points.table.evaluate(formula) * figure.label("y").factor for label, formula in points.y.items()}
     return {
