@@ -88,7 +88,7 @@ def jobs(folder: Path) -> list[str]:
 def same_results(one: Path, other: Path) -> bool:
     """Whether two studies have the same files with the same bytes, but for times."""
     mine, theirs = (digests(folder / "results" / "small") for folder in (one, other))
-    timed = (".json", "_status.csv", "_status.md", ".log")
+    timed = (".json", "_status.csv", "_status.md", ".log", "report.html")
     differ = {
         name
         for name in mine.keys() | theirs.keys()
