@@ -18,7 +18,7 @@ MB = 1_000_000
 START_SECONDS, JOB_SECONDS = 2.5, 0.2
 # Imports and reading the scene, by step; importing what draws samples, and what compiles, for each process that reads
 # the scene; loading kernels.
-SOLVE, COLLECT, SUMMARISE, FIGURES, CATALOGUE = 0.25, 1.3, 1.2, 1.25, 0.9
+SOLVE, COLLECT, SUMMARISE, FIGURES, CATALOGUE, REPORT = 0.25, 1.3, 1.2, 1.25, 0.9, 2.5
 SAMPLE_SECONDS, COMPILER_SECONDS, LOAD_SECONDS = 0.5, 0.45, 1.4
 # Compressing and writing a shard; reading it and writing it again; a row of a table; a number in statistics; a figure.
 WRITE_PER_BYTE, COLLECT_PER_BYTE, SECONDS_PER_ROW, SECONDS_PER_VALUE, SECONDS_PER_FIGURE = (
@@ -28,6 +28,8 @@ WRITE_PER_BYTE, COLLECT_PER_BYTE, SECONDS_PER_ROW, SECONDS_PER_VALUE, SECONDS_PE
     5e-8,
     0.5,
 )
+# A figure, and what else a scene has, in the page.
+SECONDS_PER_PAGE_FIGURE, SECONDS_PER_PAGE_SCENE = 0.06, 0.08
 # Memory of a process that has done nothing yet, and what the same three add.
 MAIN_BYTES, SOLVE_BYTES, READ_BYTES = 205 * MB, 60 * MB, 200 * MB
 SAMPLE_BYTES, COMPILER_BYTES, LOAD_BYTES = 50 * MB, 100 * MB, 130 * MB
@@ -39,6 +41,8 @@ SHARD_SCENARIO, READ_SCENARIO, PLAN_SHARE = 100, 50, 1.5
 GRID_RATIO, HISTORY_RATIO, OTHER_RATIO = 0.68, 0.7, 0.8
 # Of a number in a table, of a figure in its three forms, of what is in every shard and scene.
 CELL_BYTES, FIGURE_BYTES, SHARD_BYTES, SCENE_BYTES = 19, 185_000, 15_000, 80_000
+# Of the page without a scene, and of a scene in it and in its part.
+PAGE_BYTES, PAGE_SCENE_BYTES = 940_000, 90_000
 # Beyond this a table is statistics, and needs no room (report.tables).
 MOST_ROWS = 10_000
 # Of the status, the iterations and the time of a scenario, in memory, and compressed.
@@ -123,6 +127,19 @@ def figures_job(sizes: Sizes) -> Job:
     return Job(seconds, READ_BYTES + sizes.read + _held(sizes))
 
 
+def catalogue_job() -> Job:
+    """Listing what all scenes hold."""
+    return Job(CATALOGUE, READ_BYTES)
+
+
+def report_job(made: Iterable[Sizes]) -> Job:
+    """Writing the page, with the parts of these scenes made anew."""
+    sizes = list(made)
+    figures = sum(len(one.scene.figures) for one in sizes)
+    seconds = REPORT + SECONDS_PER_PAGE_FIGURE * figures + SECONDS_PER_PAGE_SCENE * len(sizes)
+    return Job(seconds, READ_BYTES + max((one.read + _held(one) for one in sizes), default=0.0))
+
+
 def shard_bytes(scene: Scene, method: Method, scenarios: int) -> float:
     """Of a shard on the disk."""
     columns = sum(len(axis.columns) for axis in scene.design.axes) if scene.design.kind != "grid" else 0
@@ -131,12 +148,19 @@ def shard_bytes(scene: Scene, method: Method, scenarios: int) -> float:
 
 
 def dataset_bytes(sizes: Sizes) -> float:
-    """Of the dataset, the tables and the figures of a scene on the disk."""
+    """Of the dataset, the tables and the figures of a scene on the disk, and of its part of the page."""
     scene = sizes.scene
     stored = sum(scene.size * (_answer_bytes(scene, m)[1] + BESIDE_STORED) for m in scene.methods)
     columns = sum(len(axis.columns) for axis in scene.design.axes)
     given = 8 * OTHER_RATIO * columns * scene.size if scene.design.kind != "grid" else 0
-    return SCENE_BYTES + stored + given + _table_bytes(sizes, columns) + FIGURE_BYTES * len(scene.figures)
+    return (
+        SCENE_BYTES
+        + PAGE_SCENE_BYTES
+        + stored
+        + given
+        + _table_bytes(sizes, columns)
+        + FIGURE_BYTES * len(scene.figures)
+    )
 
 
 def plan_bytes(scene: Scene, scenarios: int) -> float:

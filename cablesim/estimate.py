@@ -97,7 +97,8 @@ class StudyEstimate:
         """What some of the scenes take, run by themselves."""
         jobs = [job for scene in scenes for job in scene.jobs]
         if jobs:
-            jobs.append(Job(costs.CATALOGUE, costs.READ_BYTES))
+            made = (Sizes(scene.scene, _plan_bytes(scene)) for scene in scenes if scene.reporting)
+            jobs += [costs.catalogue_job(), costs.report_job(made)]
         alone = sum(job.seconds for scene in scenes for job in scene.timing)
         start = costs.START_SECONDS + max((Sizes(s.scene, 0.0).imports.seconds for s in scenes), default=0.0)
         work = sum(job.seconds for job in jobs) + costs.JOB_SECONDS * len(jobs)
@@ -112,7 +113,7 @@ class StudyEstimate:
             processor_seconds=start + work,
             memory_bytes=round(max(main, *(job.memory for job in jobs), 0.0)),
             together_bytes=round(main + max(most, several)),
-            disk_bytes=round(sum(scene.disk for scene in scenes)),
+            disk_bytes=round(sum(scene.disk for scene in scenes) + (costs.PAGE_BYTES if jobs else 0)),
         )
 
     @cached_property

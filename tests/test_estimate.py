@@ -53,16 +53,17 @@ def refusal(path: Path, room: Room, folder: Path, cores: int = 2) -> str:
     return str(refused.value)
 
 
-def test_a_small_scene_is_a_shard_and_four_steps(tmp_path):
+def test_a_small_scene_is_a_shard_and_five_steps(tmp_path):
     found = found_for(scene_file(tmp_path), tmp_path / "results")
     total = found.total
-    assert (total.scenarios, total.jobs) == (100, 5)
-    starts = costs.SOLVE + costs.COLLECT + costs.SUMMARISE + costs.FIGURES + costs.CATALOGUE
-    fixed = costs.START_SECONDS + 5 * costs.JOB_SECONDS + starts
+    assert (total.scenarios, total.jobs) == (100, 6)
+    starts = costs.SOLVE + costs.COLLECT + costs.SUMMARISE + costs.FIGURES + costs.CATALOGUE + costs.REPORT
+    fixed = costs.START_SECONDS + 6 * costs.JOB_SECONDS + starts + costs.SECONDS_PER_PAGE_SCENE
     assert total.processor_seconds == pytest.approx(fixed, rel=1e-3)
     table = costs.CELL_BYTES * 100 * (3 + 2 * 2)
     answers = 2 * 100 * (16 * costs.GRID_RATIO + costs.BESIDE_STORED)
-    by_hand = costs.SHARD_BYTES + costs.SCENE_BYTES + answers + table + 24 * 100
+    page = costs.PAGE_BYTES + costs.PAGE_SCENE_BYTES
+    by_hand = costs.SHARD_BYTES + costs.SCENE_BYTES + page + answers + table + 24 * 100
     assert total.disk_bytes == round(by_hand)
     assert total.seconds <= total.processor_seconds
     assert not (tmp_path / "results").exists()
@@ -90,11 +91,13 @@ def test_a_study_is_its_scenes_and_shares_the_cores(tmp_path):
         scene_file(tmp_path, name=name)
     scenes = [read_scene(tmp_path / f"{name}.yaml") for name in ("one", "two", "three")]
     single, several = (estimate_study(scenes, Layout(tmp_path / "results"), cores) for cores in (1, 2))
-    assert single.total.jobs == 3 * 4 + 1
+    assert single.total.jobs == 3 * 4 + 2
     assert several.total.processor_seconds == single.total.processor_seconds
     assert several.total.seconds < single.total.seconds == pytest.approx(single.total.processor_seconds)
     assert several.total.together_bytes > single.total.together_bytes
-    assert several.total.disk_bytes == sum(several.of(scene).disk_bytes for scene in several.scenes)
+    # They share a page.
+    alone = [several.of(scene).disk_bytes - costs.PAGE_BYTES for scene in several.scenes]
+    assert several.total.disk_bytes == costs.PAGE_BYTES + sum(alone)
 
 
 def test_what_is_there_is_no_work(tmp_path):
@@ -136,11 +139,12 @@ def test_what_shards_took_is_believed_and_changes_no_shard(tmp_path):
 
 @pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
 def test_the_number_of_points_that_is_told_fits(tmp_path, share):
-    path, results = scene_file(tmp_path, spans(400_000)), tmp_path / "results"
+    # So many that a page, which is as large for any number, does not count.
+    path, results = scene_file(tmp_path, spans(4_000_000)), tmp_path / "results"
     room = Room(round(share * found_for(path, results).total.disk_bytes), 10**15)
     said = refusal(path, room, results)
-    points = int(re.search(r"span: \{num: (\d+)\} instead of 400000", said)[1])
-    assert points > 0.75 * share * 400_000
+    points = int(re.search(r"span: \{num: (\d+)\} instead of 4000000", said)[1])
+    assert points > 0.75 * share * 4_000_000
     smaller = found_for(scene_file(tmp_path, spans(points)), results)
     refuse_what_does_not_fit(smaller, room, results)
 
@@ -202,10 +206,11 @@ def test_the_largest_scene_of_a_study_is_named(tmp_path):
 def test_of_many_equal_scenes_as_many_fit_as_are_told(tmp_path):
     scenes = [read_scene(scene_file(tmp_path, name=f"scene_{number}")) for number in range(6)]
     found = estimate_study(scenes, Layout(tmp_path / "results"), 2)
-    room = Room(found.total.disk_bytes // 2, 10**15)
+    half = estimate_study(scenes[:3], Layout(tmp_path / "results"), 2)
+    room = Room(half.total.disk_bytes, 10**15)
     with pytest.raises(EnvironmentFault, match="it fits with the first 3 of 6 scenes"):
         refuse_what_does_not_fit(found, room, tmp_path)
-    refuse_what_does_not_fit(estimate_study(scenes[:3], Layout(tmp_path / "results"), 2), room, tmp_path)
+    refuse_what_does_not_fit(half, room, tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -248,7 +253,7 @@ def test_check_of_a_study_has_a_line_for_each_scene(tmp_path, monkeypatch, capsy
     first, second, valid, total = capsys.readouterr().out.splitlines()
     assert first.startswith("one") and second.startswith("two")
     assert valid == "some: 2 scenes, all valid"
-    assert "9 jobs" in total and "3 cores" in total
+    assert "10 jobs" in total and "3 cores" in total
 
 
 def test_a_study_that_does_not_fit_is_not_started(tmp_path, monkeypatch):

@@ -17,6 +17,7 @@ from cablesim.cli import main
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.report.page import map_panels, part, scenarios, write
+from cablesim.steps import run_step
 from cablesim.study import Layout
 from tests.browser import chromium, opened
 
@@ -257,6 +258,7 @@ def test_a_part_is_made_anew_only_where_its_scene_has_changed(tmp_path, monkeypa
     write.write_page(layout, [read_scene(path) for path in paths])
     assert made == []
     paths[1].write_text(paths[1].read_text() + "answer: Another answer.\n")
+    run_step("summarise", read_scene(paths[1]), layout)
     write.write_page(layout, [read_scene(path) for path in paths])
     assert made == ["two"]
     assert "Another answer." in layout.page.read_text(encoding="utf-8")

@@ -236,7 +236,9 @@ def select(dataset: xr.Dataset, condition: str, table: Table | None = None) -> x
 def _explained(
     dataset: xr.Dataset, expression: Expression, answer: Callable[[Expression, Lookup], Any], table: Table | None
 ) -> xr.DataArray:
-    dataset = with_components(dataset)
+    # Parts of vectors and lists are made only where something is asked for that is not there as it is.
+    if any(name.rpartition(".")[2] not in dataset.variables for name in expression.names):
+        dataset = with_components(dataset)
     try:
         return xr.DataArray(answer(expression, scene_lookup(dataset, table)))
     except UnknownName as unknown:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from cablesim.config.scene import Scene
 from cablesim.database.reading import status_words
-from cablesim.report.answer import answer
+from cablesim.report.answer import answer_path, written_answer
 from cablesim.report.audit import audit_table
 from cablesim.report.drawing import word
 from cablesim.report.page.columns import pack
@@ -28,7 +28,7 @@ MOST_CELLS = 6000
 def scene_part(scene: Scene, dataset: xr.Dataset, layout: Layout) -> dict[str, Any]:
     """Everything the page says of a scene, as JSON can hold it."""
     about = dataset.attrs
-    tables = [read for path in table_files(scene, layout) if (read := _table(scene, path)) is not None]
+    tables = [read for path in _table_files(scene, layout) if (read := _table(scene, path)) is not None]
     details: dict[str, Any] = {
         "figures": page_figures(scene, dataset),
         "tables": tables,
@@ -38,7 +38,7 @@ def scene_part(scene: Scene, dataset: xr.Dataset, layout: Layout) -> dict[str, A
         "scene": scene.name,
         "title": scene.title,
         "question": scene.question,
-        "answer": answer(scene, dataset),
+        "answer": written_answer(layout.tables, scene.name),
         "kind": scene.design.kind,
         "axes": [{"name": axis.name, "size": axis.size} for axis in scene.design.axes],
         "scenarios": scene.size,
@@ -73,7 +73,12 @@ def _source(scene: Scene, dataset: xr.Dataset) -> dict[str, Any] | None:
     return {"table": scene.published.table.path.name, "cells": len(table), "verdicts": counts}
 
 
-def table_files(scene: Scene, layout: Layout) -> list[Path]:
+def made_from(scene: Scene, layout: Layout) -> list[Path]:
+    """The files that a part is made from beside the dataset."""
+    return [scene.path, answer_path(layout.tables, scene.name), *_table_files(scene, layout)]
+
+
+def _table_files(scene: Scene, layout: Layout) -> list[Path]:
     """The tables of a scene that are in the page, as far as they are there."""
     names = [*FIRST, *(printed.name for printed in scene.printed), *LAST]
     return [path for name in names if (path := layout.tables / f"{scene.name}_{name}.csv").exists()]

@@ -45,7 +45,8 @@ def scenario_data(scene: Scene, dataset: xr.Dataset) -> dict[str, Any]:
         "outputs": [],
         "left_out": [],
     }
-    numbers = [str(n) for n in with_components(dataset).data_vars if _is_number(with_components(dataset)[n], dataset)]
+    whole = with_components(dataset)
+    numbers = [str(name) for name in whole.data_vars if _is_number(whole[name], dataset)]
     if dataset.status.size * len(numbers) > MOST_NUMBERS:
         found["left_out"].append(f"outputs of {dataset.status.size} scenarios are too many for this page")
         return found
@@ -54,7 +55,7 @@ def scenario_data(scene: Scene, dataset: xr.Dataset) -> dict[str, Any]:
         "sentences": [SENTENCES[Status[word]] for word in status_words(dataset)],
         "values": _by_method(dataset.status, column),
     }
-    found["outputs"] = [_output(name, with_components(dataset)[name]) for name in numbers]
+    found["outputs"] = [_output(name, whole[name]) for name in numbers]
     return {**found, **_curves(dataset, found["left_out"])}
 
 

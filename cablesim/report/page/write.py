@@ -17,7 +17,7 @@ from cablesim.errors import CablesimError
 from cablesim.files import digest_of, recorded_digest, write_text
 from cablesim.report.drawing import PALETTE
 from cablesim.report.page.digest import FILES, FOLDER, part_digest
-from cablesim.report.page.part import scene_part, table_files
+from cablesim.report.page.part import made_from, scene_part
 from cablesim.report.status_maps import COLOURS
 from cablesim.status import SENTENCES, Status
 from cablesim.study import Layout
@@ -78,8 +78,8 @@ def page(study: str, parts: list[dict[str, Any]]) -> str:
 def _updated(layout: Layout, scene: Scene) -> dict[str, Any]:
     """The part of a scene, made anew unless it is there for the same content."""
     path, dataset = layout.page_part(scene.name), layout.dataset(scene.name)
-    made_from = [digest_of(scene.path), recorded_digest(dataset), *map(digest_of, table_files(scene, layout))]
-    made = {"code": part_digest(), "digest": hashlib.sha256(" ".join(made_from).encode()).hexdigest()[:16]}
+    content = " ".join([recorded_digest(dataset), *map(digest_of, made_from(scene, layout))])
+    made = {"code": part_digest(), "digest": hashlib.sha256(content.encode()).hexdigest()[:16]}
     found = _read(path)
     if {name: found.get(name) for name in made} != made:
         found = {**made, **scene_part(scene, read_dataset(dataset), layout)}
