@@ -6,12 +6,11 @@
   const parts = new Intl.NumberFormat(locale).formatToParts(-12345678.9);
   const part = (type, otherwise) => (parts.find((one) => one.type === type) || { value: otherwise }).value;
   const FORMAT = { decimal: part("decimal", "."), thousands: part("group", "\u202f"), grouping: [3], currency: ["", ""], minus: "\u2212" };
+  const whole = new Intl.NumberFormat(locale);
   const plain = new Intl.NumberFormat(locale, { maximumSignificantDigits: 6 });
   const precise = new Intl.NumberFormat(locale, { maximumSignificantDigits: 8 });
   const power = new Intl.NumberFormat(locale, { maximumSignificantDigits: 4, notation: "scientific" });
-  const colours = JSON.parse(document.getElementById("colours").textContent);
-  const PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999"];
-  const DASHES = [[1, 0], [6, 3], [6, 2, 1, 2], [2, 2]];
+  const { palette: PALETTE, dashes: DASHES } = JSON.parse(document.getElementById("styles").textContent);
   // A chart of more marks is drawn on a canvas.
   const MOST_SHAPES = 6000;
   const FEW_CHOICES = 12;
@@ -139,9 +138,9 @@
       figure.views = [];
       for (const panel of found.panels) {
         const chart = make("div", { class: "chart" });
-        const whole = make("div", { class: "panel" }, chart);
-        if (panel.title) whole.prepend(make("h3", {}, panel.title));
-        place.append(whole);
+        const box = make("div", { class: "panel" }, chart);
+        if (panel.title) box.prepend(make("h3", {}, panel.title));
+        place.append(box);
         const description = [figure.getAttribute("aria-label"), panel.title].filter(Boolean).join(": ");
         const view = await draw(chart, panel, description, heightOf(panel, chart.clientWidth));
         view.addEventListener("click", (_, item) => {
@@ -183,7 +182,8 @@
     if (asPrinted || !NUMBER.test(text)) return text;
     return text.length <= 9 && !/e/i.test(text) ? text.replace(".", FORMAT.decimal) : shortened(text);
   };
-  const VERDICTS = { agrees: "good", "rounded key": "", passed: "good" };
+  // Told apart by a sign, not by colour alone; any other verdict is that a cell is off.
+  const VERDICTS = new Map([["agrees", ["verdict-good", "✓"]], ["rounded key", ["", "≈"]]]);
   const fillTable = async (details) => {
     if (details.dataset.filled) return;
     details.dataset.filled = "yes";
@@ -195,8 +195,9 @@
       const cell = make("td", numeric[i] ? { class: "number" } : {}, cellText(text, table.head[i] === "printed"));
       if (numeric[i] && text.length > 9) cell.title = text;
       if (table.head[i] === "flag") {
-        cell.className = text in VERDICTS ? (VERDICTS[text] ? "verdict-good" : "") : "verdict-bad";
-        cell.textContent = `${text in VERDICTS ? (VERDICTS[text] ? "✓ " : "≈ ") : "✗ "}${text}`;
+        const [kind, mark] = VERDICTS.get(text) || ["verdict-bad", "✗"];
+        cell.className = kind;
+        cell.textContent = `${mark} ${text}`;
       }
       return cell;
     }))));
@@ -212,7 +213,7 @@
     });
     show(table.rows);
     const note = table.rows.length < table.count
-      ? `The first ${plain.format(table.rows.length)} of ${plain.format(table.count)} rows; all are in tables/${table.file} beside this page.`
+      ? `The first ${whole.format(table.rows.length)} of ${whole.format(table.count)} rows; all are in tables/${table.file} beside this page.`
       : "";
     details.append(
       make("div", { class: "tools" },
@@ -293,7 +294,7 @@
     const refresh = () => {
       controls.forEach((one, i) => one.set(at[i]));
       const number = numberOf(scenarios.axes, at);
-      heading.textContent = `Scenario ${plain.format(number + 1)} of ${plain.format(total)}`;
+      heading.textContent = `Scenario ${whole.format(number + 1)} of ${whole.format(total)}`;
       details.dataset.number = number;
       body.replaceChildren(...result(scenarios, number, at));
       return drawLines(body, scenarios, number);
@@ -427,7 +428,7 @@
     }
   }, { rootMargin: "500px" });
   const localise = () => {
-    for (const element of document.querySelectorAll("[data-number]")) element.textContent = plain.format(Number(element.textContent));
+    for (const element of document.querySelectorAll("[data-number]")) element.textContent = whole.format(Number(element.textContent));
     for (const element of document.querySelectorAll("[data-seconds]")) element.textContent = written(Number(element.textContent));
     if (FORMAT.decimal === ".") return;
     for (const element of document.querySelectorAll("[data-prose]")) element.textContent = element.textContent.replace(/(\d)\.(?=\d)/g, `$1${FORMAT.decimal}`);

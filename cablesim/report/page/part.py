@@ -18,7 +18,7 @@ from cablesim.report.page.scenarios import scenario_data
 from cablesim.status import SENTENCES, Status
 from cablesim.study import Layout
 
-PROVENANCE = ("source", "revision", "scene_digest", "plan", "seed")
+PROVENANCE = ("source", "revision", "scene_digest", "plan", "seed", "machine")
 # The tables of a scene that are in the page, in this order, printed ones after the first.
 FIRST, LAST = ("fastest", "audit", "errors", "checks"), ("work_precision", "orders", "status", "effort", "tensions")
 # Of one table in the page: what is beyond stays in its file.
