@@ -24,7 +24,7 @@ docs: .venv/test study  ## Build the site into site/ from the pages, the package
 	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(BIN)/python -m mkdocs build --quiet --strict
 	@echo "site/index.html is the first page; to search, serve it: $(BIN)/python -m http.server --directory site"
 
-bench: .venv/test  ## Speed against named alternatives; prints tables.
+bench: .venv/test study  ## Speed against named alternatives; prints tables.
 	$(BIN)/python benchmarks/exact_catenary.py
 	$(BIN)/python benchmarks/workflow.py
 	$(BIN)/python benchmarks/estimates.py
@@ -36,6 +36,7 @@ bench: .venv/test  ## Speed against named alternatives; prints tables.
 	$(BIN)/python -m benchmarks.two_point_check
 	$(BIN)/python benchmarks/wave_peers.py
 	$(BIN)/python benchmarks/wave_lines.py
+	$(BIN)/python -m benchmarks.page results/default
 
 faults: .venv/test  ## Inject every fault many times and write docs/faults.md: an hour.
 	$(BIN)/python -m tests.faults
