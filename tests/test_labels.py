@@ -13,7 +13,7 @@ from cablesim.errors import InputError
 from cablesim.expressions import BARE, Term, parse
 from cablesim.labels import Label, quantity_label
 from cablesim.quantities import QUANTITIES, TABLE
-from cablesim.report.drawing import DASHES
+from cablesim.report.colours import DASHES
 from tests.cli.helpers import scene
 
 SCENES = sorted((Path(__file__).parent.parent / "config" / "scenes").glob("*.yaml"))

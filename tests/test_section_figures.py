@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.errors import InputError
-from cablesim.report.drawing import PALETTE
+from cablesim.report.colours import PALETTE
 from cablesim.report.figures import draw_figures
 from cablesim.report.shapes import draw_profiles
 from cablesim.steps import run_scene

@@ -14,9 +14,10 @@ from matplotlib.colors import to_hex
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset, status_words
 from cablesim.errors import InputError
+from cablesim.report.colours import STATUS_COLOURS
 from cablesim.report.drawing import cell_edges
 from cablesim.report.figures import draw_figures
-from cablesim.report.status_maps import COLOURS, draw_status_map
+from cablesim.report.status_maps import draw_status_map
 from cablesim.report.tables import effort_table
 from cablesim.status import Status
 from cablesim.steps import run_scene
@@ -173,7 +174,7 @@ def test_the_legend_names_the_statuses_that_occur_with_their_number_and_colour(t
         f"infeasible ({counts[1]} of 18): no equilibrium exists for these parameters",
     ]
     colours = [to_hex(patch.get_facecolor()) for patch in legend.get_patches()]
-    assert colours == [COLOURS[Status.ok].lower(), COLOURS[Status.infeasible].lower()]
+    assert colours == [STATUS_COLOURS[Status.ok].lower(), STATUS_COLOURS[Status.infeasible].lower()]
 
 
 def test_without_a_second_side_there_is_a_row_for_each_method(tmp_path):
@@ -191,12 +192,12 @@ def test_chosen_methods_at_a_chosen_point_are_shown(tmp_path):
 
 
 def test_every_status_has_a_colour_of_its_own_lightness():
-    assert set(COLOURS) == set(Status)
+    assert set(STATUS_COLOURS) == set(Status)
     # Luminance by ITU-R BT.709, which is what is left of a colour on a grey printer.
     weights = (0.2126, 0.7152, 0.0722)
     grey = sorted(
         sum(w * int(colour[i : i + 2], 16) for w, i in zip(weights, (1, 3, 5), strict=True))
-        for colour in COLOURS.values()
+        for colour in STATUS_COLOURS.values()
     )
     assert np.diff(grey).min() > 40.0
 

@@ -17,10 +17,9 @@ SCENES = Path(__file__).parents[1] / "config" / "scenes"
 def study(tmp_path) -> Finished:
     """Two scenes, the name of one of which begins the name of the other, with empty pictures."""
     layout = Layout(tmp_path)
-    for folder, name in (("figures", "pode_example_force.png"), ("animations", "pode_example_shape_moving.gif")):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / name).touch()
-    (tmp_path / "figures" / "pode_example_force.svg").touch()
+    (tmp_path / "figures").mkdir()
+    for name in ("pode_example_force.png", "pode_example_shape_moving.gif", "pode_example_force.svg"):
+        (tmp_path / "figures" / name).touch()
     return Finished(
         layout, tuple(read_scene(SCENES / f"{name}.yaml") for name in ("pode_example", "pode_example_shape"))
     )

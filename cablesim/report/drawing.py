@@ -15,12 +15,10 @@ from cablesim.config.scene import Scene
 from cablesim.database.reading import evaluate, written
 from cablesim.errors import InputError
 from cablesim.labels import Label, lowered
+from cablesim.report.colours import DASHES, PALETTE
 
 matplotlib.use("Agg")
 
-# Okabe and Ito's palette: distinct for every kind of colour vision.
-PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
-DASHES = ("-", "--", "-.", ":")
 # In inches: a page of a journal is 178 mm wide. In points: text, titles of panels and labels; legends; notes.
 PAGE = 7.0
 TEXT, LEGEND, NOTE = 10, 9, 8

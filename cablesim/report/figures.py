@@ -20,11 +20,10 @@ from cablesim.labels import Label
 from cablesim.quantities import RUN_TIME, component_names
 from cablesim.report.animations import save_animation
 from cablesim.report.audit import audit_table
+from cablesim.report.colours import DASHES, PALETTE
 from cablesim.report.drawing import (
-    DASHES,
     NOTE,
     PAGE,
-    PALETTE,
     STYLE,
     ascending,
     cell_edges,

@@ -9,7 +9,8 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.method import find_series, series_names
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import DASHES, NOTE, PAGE, PALETTE, word
+from cablesim.report.colours import DASHES, PALETTE
+from cablesim.report.drawing import NOTE, PAGE, word
 from cablesim.report.precision import TARGETS, WorkAndPrecision, Worth, work_and_precision
 
 # In inches: without the legend, and a row of that.

@@ -9,7 +9,8 @@ from matplotlib.lines import Line2D
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
-from cablesim.report.drawing import DASHES, LEGEND, NOTE, PALETTE, plain
+from cablesim.report.colours import DASHES, PALETTE
+from cablesim.report.drawing import LEGEND, NOTE, plain
 
 JOINT: Any = {"marker": "o", "color": "black", "markerfacecolor": "white", "markersize": 5.5, "linestyle": ""}
 LOWEST: Any = {"marker": "v", "color": "black", "markersize": 7, "linestyle": ""}

@@ -9,7 +9,8 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import NOTE, PAGE, PALETTE, curves, draw_points, legend
+from cablesim.report.colours import PALETTE
+from cablesim.report.drawing import NOTE, PAGE, curves, draw_points, legend
 from cablesim.report.sections import draw_sections, section_legend
 
 # In inches: of a page's width what is not panels, and how high a panel is.

@@ -11,7 +11,8 @@ from matplotlib.colors import Normalize
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import PAGE, PALETTE, plain
+from cablesim.report.colours import PALETTE
+from cablesim.report.drawing import PAGE, plain
 
 # Nearly no tension, beside the largest, has a colour of its own.
 SLACK, SLACK_ON_BAR = 0.01, 0.04

@@ -10,19 +10,10 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
 from cablesim.database.reading import of_method, status_words
+from cablesim.report.colours import STATUS_COLOURS
 from cablesim.report.drawing import LEGEND, NOTE, PAGE, ascending, cell_edges, evaluated, plain, word
 from cablesim.status import Status
 
-# Of Okabe and Ito's palette, but for what is solved, not installed or not run: told apart by any kind of colour vision,
-# and by lightness alone.
-COLOURS = {
-    Status.ok: "#D0D0D0",
-    Status.infeasible: "#56B4E9",
-    Status.not_converged: "#D55E00",
-    Status.out_of_domain: "#000000",
-    Status.unavailable: "#5B2A86",
-    Status.not_run: "#FFFFFF",
-}
 # In inches: how high a panel is, a row of one and the least of all, and labels, title and legend.
 PANEL, ROW, LEAST, AROUND = 2.0, 0.3, 0.8, 1.7
 
@@ -74,7 +65,7 @@ def _rows(dataset: xr.Dataset, fates: list[xr.DataArray], figure: Figure) -> Any
 def _paint(axes: Any, x: xr.DataArray, y: xr.DataArray, fates: xr.DataArray, settings: dict[str, Any]) -> None:
     """A cell for each scenario."""
     x, y, fates = ascending(x, y, fates)
-    colours = ListedColormap([COLOURS[status] for status in Status])
+    colours = ListedColormap([STATUS_COLOURS[status] for status in Status])
     norm = BoundaryNorm(np.arange(len(Status) + 1) - 0.5, len(Status))
     edges = [cell_edges(side.values, name in settings["log"]) for name, side in (("x", x), ("y", y))]
     axes.pcolormesh(*edges, fates.values, cmap=colours, norm=norm, rasterized=True)
@@ -88,6 +79,6 @@ def _name_statuses(drawn: Any, fates: np.ndarray, words: tuple[str, ...]) -> Non
     """A legend of the statuses that occur, in words, with their numbers."""
     counts = np.bincount(fates, minlength=len(words))
     found = [Status[name] for name, count in zip(words, counts, strict=True) if count]
-    handles = [plt.Rectangle((0, 0), 1, 1, facecolor=COLOURS[status], edgecolor="#888888") for status in found]
+    handles = [plt.Rectangle((0, 0), 1, 1, facecolor=STATUS_COLOURS[status], edgecolor="#888888") for status in found]
     labels = [f"{word(status.name)} ({counts[status]} of {fates.size}): {status.sentence}" for status in found]
     drawn.legend(handles, labels, loc="outside lower left", fontsize=NOTE)

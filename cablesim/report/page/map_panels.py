@@ -11,10 +11,10 @@ import xarray as xr
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
 from cablesim.database.reading import of_method, of_only_method, select, status_words
+from cablesim.report.colours import STATUS_COLOURS
 from cablesim.report.drawing import cell_edges, evaluated, word
 from cablesim.report.page.columns import Columns, Grid, column
 from cablesim.report.page.panel import GREY, Panel, log_format, rows, scale, scenario_numbers
-from cablesim.report.status_maps import COLOURS
 from cablesim.status import Status
 
 # More cells than these are thinned, evenly along both sides.
@@ -76,7 +76,7 @@ def status_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pan
 def _fate_colours(fates: dict[str, xr.DataArray], words: tuple[str, ...]) -> Any:
     """The colours of the statuses that occur."""
     found = [words[i] for i in sorted({int(v) for fate in fates.values() for v in np.unique(fate.values)})]
-    shades = alt.Scale(domain=[word(name) for name in found], range=[COLOURS[Status[name]] for name in found])
+    shades = alt.Scale(domain=[word(name) for name in found], range=[STATUS_COLOURS[Status[name]] for name in found])
     legend = alt.Legend(title=None, symbolType="square", symbolStrokeColor="#888888")
     return alt.Color("status:N", sort=None, scale=shades, legend=legend)
 

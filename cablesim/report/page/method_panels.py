@@ -9,7 +9,8 @@ import xarray as xr
 from cablesim.config.figure_file import RUN_TIME, Figure
 from cablesim.config.scene import AGREES, MISPRINT, ROUNDED_KEY, Scene
 from cablesim.report.audit import audit_table
-from cablesim.report.drawing import PALETTE, word
+from cablesim.report.colours import PALETTE
+from cablesim.report.drawing import word
 from cablesim.report.figures import FLAG_COLOURS
 from cablesim.report.orders import convergences
 from cablesim.report.page.columns import Columns, column

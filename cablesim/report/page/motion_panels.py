@@ -9,7 +9,8 @@ import xarray as xr
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
-from cablesim.report.drawing import PALETTE, styled
+from cablesim.report.colours import PALETTE
+from cablesim.report.drawing import styled
 from cablesim.report.page.columns import Columns, column
 from cablesim.report.page.panel import (
     Panel,

@@ -11,14 +11,13 @@ import xarray as xr
 
 from cablesim.config.figure_file import Figure
 from cablesim.config.figure_parts import Shape
-from cablesim.report.drawing import PALETTE, Styled
+from cablesim.report.colours import PALETTE, PIXEL_DASHES
+from cablesim.report.drawing import Styled
 from cablesim.report.page.columns import Columns, Grid, column
 
 # Height of the area of a panel in pixels, unless its scales are equal.
 HEIGHT = 240
 NOTHING: Columns = {"x": [], "y": [], "series": []}
-# Dashes in pixels, in the order of matplotlib's in `drawing`.
-DASHES = ([1, 0], [6, 3], [6, 2, 1, 2], [2, 2])
 GREY = "#DDDDDD"
 # Room beyond the outermost points where both scales are given.
 MARGIN = 0.04
@@ -77,7 +76,7 @@ def coloured(names: list[str], colours: list[str] | None = None) -> Any:
 def dashed(names: list[str], dashes: list[int], by: str = "series:N") -> Any:
     """Dashes of the series, by their numbers, in the same legend as their colours."""
     legend = alt.Legend(title=None, symbolType="stroke") if len(names) > 1 else None
-    shown = alt.Scale(domain=names, range=[DASHES[number % len(DASHES)] for number in dashes])
+    shown = alt.Scale(domain=names, range=[PIXEL_DASHES[number % len(PIXEL_DASHES)] for number in dashes])
     return alt.StrokeDash(by, scale=shown, sort=None, legend=legend)
 
 

@@ -11,9 +11,7 @@ from cablesim.config.scene import Scene
 from cablesim.database.reading import status_words
 from cablesim.report.answer import answer_path, written_answer
 from cablesim.report.audit import audit_table
-from cablesim.report.drawing import word
 from cablesim.report.page.columns import pack
-from cablesim.report.page.figures import page_figures
 from cablesim.report.page.scenarios import scenario_data
 from cablesim.status import SENTENCES, Status
 from cablesim.study import Layout
@@ -30,7 +28,7 @@ def scene_part(scene: Scene, dataset: xr.Dataset, layout: Layout) -> dict[str, A
     about = dataset.attrs
     tables = [read for path in _table_files(scene, layout) if (read := _table(scene, path)) is not None]
     details: dict[str, Any] = {
-        "figures": page_figures(scene, dataset),
+        "figures": _figures(scene, dataset),
         "tables": tables,
         "scenarios": scenario_data(scene, dataset),
     }
@@ -51,6 +49,15 @@ def scene_part(scene: Scene, dataset: xr.Dataset, layout: Layout) -> dict[str, A
         "tables": [{"name": one["name"], "caption": one["caption"], "rows": one["count"]} for one in tables],
         "packed": pack(details),
     }
+
+
+def _figures(scene: Scene, dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """The interactive figures; what draws them is imported only where there are any."""
+    if not scene.figures:
+        return []
+    from cablesim.report.page.figures import page_figures
+
+    return page_figures(scene, dataset)
 
 
 def _fates(dataset: xr.Dataset) -> list[dict[str, Any]]:
@@ -90,7 +97,7 @@ def _table(scene: Scene, path: Path) -> dict[str, Any] | None:
         head, *rows = csv.reader(file)
     shown = rows[: max(1, MOST_CELLS // max(1, len(head)))]
     caption = path.with_suffix(".md").read_text(encoding="utf-8").partition("\n")[0].lstrip("# ")
-    words = word(path.stem.removeprefix(f"{scene.name}_")) if caption == scene.title else caption
+    words = path.stem.removeprefix(f"{scene.name}_").replace("_", " ") if caption == scene.title else caption
     words = words.removeprefix(f"{scene.title}: ")
     if not rows:
         return None

@@ -15,11 +15,9 @@ from cablesim.config.scene import Scene
 from cablesim.database.reading import read_dataset
 from cablesim.errors import CablesimError
 from cablesim.files import digest_of, recorded_digest, write_text
-from cablesim.report.drawing import PALETTE
+from cablesim.report.colours import PALETTE, PIXEL_DASHES, STATUS_COLOURS
 from cablesim.report.page.digest import FILES, FOLDER, part_digest
-from cablesim.report.page.panel import DASHES
 from cablesim.report.page.part import made_from, scene_part
-from cablesim.report.status_maps import COLOURS
 from cablesim.status import SENTENCES, Status
 from cablesim.study import Layout
 
@@ -67,8 +65,8 @@ def page(study: str, parts: list[dict[str, Any]]) -> str:
         seconds=sum(part["seconds"] for part in parts),
         revisions=sorted({f"{p['provenance']['source']}, revision {p['provenance']['revision']}" for p in parts}),
         sources=[part for part in parts if part["source"]],
-        colours={status.name: colour for status, colour in COLOURS.items()},
-        styles={"palette": PALETTE, "dashes": DASHES},
+        colours={status.name: colour for status, colour in STATUS_COLOURS.items()},
+        styles={"palette": PALETTE, "dashes": PIXEL_DASHES},
         style=style,
         style_digest=_policy_digest(style),
         script_digests=[_policy_digest(text) for text in scripts.values()],
