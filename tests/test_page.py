@@ -17,6 +17,7 @@ from cablesim.cli import main
 from cablesim.config.scene import read_scene
 from cablesim.database.reading import read_dataset
 from cablesim.report.page import map_panels, part, scenarios, write
+from cablesim.report.page.figures import page_figures
 from cablesim.steps import run_step
 from cablesim.study import Layout
 from tests.browser import chromium, opened
@@ -290,6 +291,22 @@ def test_what_is_too_much_for_a_page_is_left_out_and_said(tmp_path, monkeypatch)
     assert scenarios_in(tmp_path / "results" / "report" / "points.json") == {
         "left_out": ["3 scenarios are too many for this page"]
     }
+
+
+def test_a_map_of_too_many_cells_is_thinned_and_says_so(results, monkeypatch):
+    monkeypatch.setattr(map_panels, "MOST_CELLS", 20)
+    scene = read_scene(results.parent / "spans.yaml")
+    of_value, of_status = page_figures(scene, read_dataset(results / "spans.nc"))[1:3]
+    (panel,) = of_value["panels"]
+    rows = panel["data"]["rows"]
+    assert panel["title"] == "one in 2 points of each side"
+    assert (len(rows["along"]["x"]), len(rows["up"]["y"]), len(rows["cells"]["value"])) == (9, 2, 18)
+    # Rise 20 m and span 60 m.
+    assert (rows["along"]["x"][2], rows["up"]["y"][1]) == (60, 20)
+    assert rows["along"]["scenario"][2] + rows["up"]["scenario"][1] == 2 * 17 + 4
+    assert [one["title"] for one in of_status["panels"]] == [
+        f"{method}, one in 2 points of each side" for method in ("exact", "near")
+    ]
 
 
 def test_lines_are_held_to_a_part_in_four_thousand(tmp_path):

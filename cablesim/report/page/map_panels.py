@@ -33,6 +33,7 @@ class Side:
     dim: str
     order: np.ndarray
     columns: Columns
+    step: int = 1
 
 
 def map_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
@@ -51,7 +52,7 @@ def map_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]
     colour = alt.condition("!isValid(datum.value)", alt.value(GREY), shades)
     tooltip = [*_place(figure), alt.Tooltip("value:Q", title=title, format=".4~g")]
     data = _grid(scenario_numbers(dataset).isel(settings["position"]), sides, {"value": column(cells)})
-    return [Panel(_rectangles(figure, sides, colour, tooltip), {"rows": data})]
+    return [Panel(_rectangles(figure, sides, colour, tooltip), {"rows": data}, _thinned(sides))]
 
 
 def status_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Panel]:
@@ -68,9 +69,10 @@ def status_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[Pan
         for method, fate in fates.items()
     }
     if len(sides) == 1:
-        return [_fates_in_rows(grids, colour, figure)]
+        return [_fates_in_rows(grids, colour, figure, _thinned(sides))]
     chart = _rectangles(figure, sides, colour, [*_place(figure), alt.Tooltip("status:N")])
-    return [Panel(chart, {"rows": grid}, word(method), PANEL_HEIGHT) for method, grid in grids.items()]
+    titles = {method: ", ".join(filter(None, (word(method), _thinned(sides)))) for method in grids}
+    return [Panel(chart, {"rows": grid}, titles[method], PANEL_HEIGHT) for method, grid in grids.items()]
 
 
 def _fate_colours(fates: dict[str, xr.DataArray], words: tuple[str, ...]) -> Any:
@@ -81,7 +83,7 @@ def _fate_colours(fates: dict[str, xr.DataArray], words: tuple[str, ...]) -> Any
     return alt.Color("status:N", sort=None, scale=shades, legend=legend)
 
 
-def _fates_in_rows(grids: dict[str, Grid], colour: Any, figure: Figure) -> Panel:
+def _fates_in_rows(grids: dict[str, Grid], colour: Any, figure: Figure, thinned: str) -> Panel:
     """A row of cells for each method."""
     fates = [fate for grid in grids.values() for fate in grid["cells"]["status"]]
     along = next(iter(grids.values()))["along"]
@@ -93,7 +95,7 @@ def _fates_in_rows(grids: dict[str, Grid], colour: Any, figure: Figure) -> Panel
         color=colour,
         tooltip=[alt.Tooltip("x:Q", title=figure.label("x").plain, format="~g"), "method:N", "status:N"],
     )
-    return Panel(chart, {"rows": grid}, height=ROW_HEIGHT * len(grids))
+    return Panel(chart, {"rows": grid}, thinned, ROW_HEIGHT * len(grids))
 
 
 def _rectangles(figure: Figure, sides: list[Side], colour: Any, tooltip: list[Any]) -> Any:
@@ -106,6 +108,12 @@ def _marks() -> Any:
     picked = alt.selection_point(name="picked", fields=["scenario"], empty=False)
     edge = alt.condition(picked, alt.value(STROKE), alt.value(None))
     return rows().mark_rect(strokeWidth=2, cursor="pointer", invalid="show").encode(stroke=edge).add_params(picked)
+
+
+def _thinned(sides: list[Side]) -> str:
+    """What is to be said of a map that is thinned."""
+    step = sides[0].step
+    return f"one in {step} points of each side" if step > 1 else ""
 
 
 def _edge(figure: Figure, name: str, columns: Columns) -> Any:
@@ -133,7 +141,7 @@ def _side(name: str, values: xr.DataArray, step: int, is_logarithmic: bool) -> S
     order = order[np.argsort(values.values[order], kind="stable")]
     ends = cell_edges(values.values[order], is_logarithmic)
     columns = {name: column(values.values[order]), f"{name}1": column(ends[:-1], 7), f"{name}2": column(ends[1:], 7)}
-    return Side(dim, order, columns)
+    return Side(dim, order, columns, step)
 
 
 def _cells(values: xr.DataArray, sides: list[Side]) -> np.ndarray:
