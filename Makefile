@@ -7,17 +7,22 @@ BESIDE := uv pip compile --quiet --universal --generate-hashes --no-header --no-
   --constraint requirements-test.lock - --output-file
 SELF := $(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 
-.PHONY: study test docs bench faults hunt lock references clean
+.PHONY: study test checks tests docs bench faults hunt lock references clean
 
 study: .venv/peers  ## Compute the default study into results/default/.
 	$(BIN)/cablesim study || test $$? -eq 1  # 1: done, and some scenarios have no solution
 
-test: .venv/test  ## Formatting, types, import directions and all tests.
+test: .venv/test  ## Formatting, types, import directions and all tests, side by side.
+	$(MAKE) --jobs 2 checks tests
+
+checks: .venv/test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports
 	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/lint-imports
+	$(BIN)/mypy
+
+tests: .venv/test
 	$(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 docs: .venv/test study  ## Build the site into site/ from the pages, the package and the default study.
