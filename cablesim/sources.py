@@ -10,6 +10,17 @@ from cablesim.solver import PACKAGE, installed, load_solver, source
 
 # Where a solver's numbers come from.
 NUMBERS = ("physics", "numerics", "solvers", "peers")
+# Where what the steps write of them comes from.
+STEP_PARTS = ("database", "report", "reductions", "expressions", "units", "quantities", "labels", "status")
+# Where scene files are read, but what axes are called is said.
+LABELS = (
+    "config/axis_labels",
+    "config/figure_file",
+    "config/history_figure",
+    "config/orbit_figure",
+    "config/snapshot_figure",
+    "config/status_figure",
+)
 
 
 def source_digest(name: str) -> str:

@@ -12,19 +12,10 @@ from cablesim.fitting import refuse_vast
 from cablesim.held import hold_for_good
 from cablesim.plan import ScenePlan
 from cablesim.report.page.digest import page_digest
-from cablesim.sources import code_digest
+from cablesim.sources import LABELS, STEP_PARTS, code_digest
 from cablesim.steps import CATALOGUE, REPORT, STUDY, sample, timings_path
 from cablesim.study import Layout, read_study
 
-# Where scene files are read, but what axes are called is said.
-LABELS = (
-    "config/axis_labels",
-    "config/figure_file",
-    "config/history_figure",
-    "config/orbit_figure",
-    "config/snapshot_figure",
-    "config/status_figure",
-)
 # The modules that write the files of a step: editing them, or what they import, makes these files out of date.
 STEP_MODULES = {
     "collect": ("database/collect",),
@@ -40,7 +31,6 @@ STEP_MODULES = {
     ),
     "figures": ("database/collect", "report/figures", *LABELS),
 }
-STEP_PARTS = ("database", "report", "reductions", "expressions", "units", "quantities", "labels", "status")
 
 
 @dataclass(frozen=True)

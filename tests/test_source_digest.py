@@ -5,6 +5,7 @@ import shutil
 import pytest
 
 from cablesim import solver, sources
+from cablesim.report.page import digest
 from cablesim.workflow import STEP_MODULES, STEP_PARTS
 
 
@@ -69,3 +70,14 @@ def test_an_edit_makes_the_files_of_the_steps_that_use_it_out_of_date(monkeypatc
         with monkeypatch.context() as patched:
             after[step] = digest_with(patched, tmp_path / step, file, old, new, step)
     assert {step for step in before if after[step] != before[step]} == steps
+
+
+@pytest.mark.parametrize("module", ["labels", "reductions", "config/axis_labels", "report/page/map_panels"])
+def test_the_page_is_out_of_date_where_what_it_shows_is_made_otherwise(monkeypatch, module):
+    """A part of it is named by the code of labels too, wherever that lies."""
+    named = sources.PACKAGE / f"{module}.py"
+    looked_at = []
+    monkeypatch.setattr(sources, "_read", lambda path, read=sources._read: looked_at.append(path) or read(path))
+    monkeypatch.setattr(digest, "code_digest", sources.code_digest.__wrapped__)
+    digest.part_digest()
+    assert named in looked_at
