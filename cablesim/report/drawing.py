@@ -15,6 +15,7 @@ from cablesim.config.scene import Scene
 from cablesim.database.reading import evaluate, written
 from cablesim.errors import InputError
 from cablesim.labels import Label, lowered
+from cablesim.quantities import component_names
 from cablesim.report.colours import DASHES, PALETTE
 
 matplotlib.use("Agg")
@@ -46,6 +47,8 @@ STYLE: Any = {
     "pdf.fonttype": 42,
 }
 MOST_LEGEND_LINES = 8
+# Of values that have a colour each; and where the shades of curves end, before they are too pale.
+MOST_STEPS, LIGHTEST = 8, 0.92
 LETTERS_PER_INCH = 13
 LETTERS_PER_HANDLE = 10
 
@@ -136,6 +139,21 @@ def value_in_words(value: xr.DataArray, label: Label, unit: str) -> str:
     """A value with the unit that its label asks for, written as it is shown: in TeX, or plain."""
     shown = written(value if value.dtype.kind in "SUOT" else value * label.factor)
     return f"{shown}{'' if unit in ('', '°') else ' '}{unit}"
+
+
+def point_in_words(part: xr.Dataset, axis: str, label: Label, unit: str) -> str:
+    """A point of an axis in words: a number, a word, or the components of a vector."""
+    return ", ".join(value_in_words(part[name], label, unit) for name in component_names(axis))
+
+
+def shades(number: int) -> np.ndarray:
+    """Colours of so many curves that are told apart by shade, dark to light."""
+    return np.asarray(matplotlib.colormaps["viridis"](np.linspace(0.0, LIGHTEST, number)))
+
+
+def are_steps(values: np.ndarray) -> bool:
+    """Whether finite values are a few whole numbers, which have a colour each."""
+    return bool(values.size and (values == np.round(values)).all() and 0 < np.ptp(values) <= MOST_STEPS)
 
 
 def evaluated(dataset: xr.Dataset, formula: str, label: Label) -> xr.DataArray:

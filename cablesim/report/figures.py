@@ -16,8 +16,7 @@ from cablesim.config.scene import AGREES, MISPRINT, ROUNDED_KEY, Scene
 from cablesim.database.reading import of_only_method, select
 from cablesim.errors import InputError
 from cablesim.files import written_whole
-from cablesim.labels import Label
-from cablesim.quantities import RUN_TIME, component_names
+from cablesim.quantities import RUN_TIME
 from cablesim.report.animations import save_animation
 from cablesim.report.audit import audit_table
 from cablesim.report.colours import DASHES, PALETTE
@@ -25,6 +24,7 @@ from cablesim.report.drawing import (
     NOTE,
     PAGE,
     STYLE,
+    are_steps,
     ascending,
     cell_edges,
     draw_points,
@@ -32,7 +32,8 @@ from cablesim.report.drawing import (
     headline,
     legend,
     plain,
-    value_in_words,
+    point_in_words,
+    shades,
     word,
 )
 from cablesim.report.histories import draw_history
@@ -44,7 +45,6 @@ from cablesim.report.snapshots import draw_snapshots
 from cablesim.report.status_maps import draw_status_map
 
 MOST_CELLS = 600
-MOST_STEPS = 8
 # Of an audit, in inches: its legend must fit.
 LEAST_WIDTH = PAGE
 # A logarithmic axis of fewer decades has numbers between the powers of ten.
@@ -136,20 +136,14 @@ def _shaded_curves(axes: Any, dataset: xr.Dataset, figure: Figure) -> None:
     """A curve for each point of an axis, told apart by shade; formulas by dashes."""
     settings, called = figure.settings, figure.label("each")
     name = settings["each"]
-    shades = plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[name]))
     for number, (label, formula) in enumerate(settings["y"].items()):
         dashes = DASHES[number % len(DASHES)]
-        for i, shade in enumerate(shades):
+        for i, shade in enumerate(shades(dataset.sizes[name])):
             part = dataset.isel({name: i})
-            value = f"{called.words} = {_point(part, name, called)}" if number == 0 else None
+            value = f"{called.words} = {point_in_words(part, name, called, called.tex_unit)}" if number == 0 else None
             axes.plot(*_points(part, figure, formula), label=value, color=shade, linestyle=dashes)
         if len(settings["y"]) > 1:
             axes.plot([], [], label=plain(label), color="black", linestyle=dashes)
-
-
-def _point(part: xr.Dataset, axis: str, label: Label) -> str:
-    """A point of an axis in words: a number, a word, or the components of a vector."""
-    return ", ".join(value_in_words(part[name], label, label.tex_unit) for name in component_names(axis))
 
 
 def _points(dataset: xr.Dataset, figure: Figure, formula: str) -> tuple[np.ndarray, np.ndarray]:
@@ -198,8 +192,7 @@ def _map(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:
 
 def _steps(values: np.ndarray) -> BoundaryNorm | None:
     """A colour for each value, where they are a few whole numbers."""
-    whole = values.size > 0 and (values == np.round(values)).all() and 0 < np.ptp(values) <= MOST_STEPS
-    return BoundaryNorm(np.arange(values.min(), values.max() + 2.0) - 0.5, 256) if whole else None
+    return BoundaryNorm(np.arange(values.min(), values.max() + 2.0) - 0.5, 256) if are_steps(values) else None
 
 
 def _convergence(scene: Scene, dataset: xr.Dataset, figure: Figure) -> Any:

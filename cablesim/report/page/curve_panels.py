@@ -3,7 +3,6 @@
 from typing import Any
 
 import altair as alt
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.colors import to_hex
@@ -11,8 +10,7 @@ from matplotlib.colors import to_hex
 from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
 from cablesim.database.reading import select
-from cablesim.quantities import component_names
-from cablesim.report.drawing import evaluated, value_in_words
+from cablesim.report.drawing import evaluated, point_in_words, shades
 from cablesim.report.page.columns import Columns, column
 from cablesim.report.page.panel import (
     Panel,
@@ -77,12 +75,10 @@ def _along(dataset: xr.Dataset, numbers: xr.DataArray, figure: Figure) -> tuple[
     """A line for each point of an axis, told apart by shade; formulas by dashes."""
     settings, called = figure.settings, figure.label("each")
     axis = settings["each"]
-    shades = [to_hex(shade) for shade in plt.get_cmap("viridis")(np.linspace(0.0, 0.92, dataset.sizes[axis]))]
     lines, series = [], {}
-    for i, shade in enumerate(shades):
+    for i, shade in enumerate(map(to_hex, shades(dataset.sizes[axis]))):
         part, own = dataset.isel({axis: i}), numbers.isel({axis: i})
-        words = ", ".join(value_in_words(part[name], called, called.shown_unit) for name in component_names(axis))
-        value = f"{called.plain_words} = {words}"
+        value = f"{called.plain_words} = {point_in_words(part, axis, called, called.shown_unit)}"
         series[value] = shade
         for label, formula in settings["y"].items():
             line = _line(part, own, figure, value, formula)

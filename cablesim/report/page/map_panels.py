@@ -12,15 +12,13 @@ from cablesim.config.figure_file import Figure
 from cablesim.config.scene import Scene
 from cablesim.database.reading import of_method, of_only_method, select, status_words
 from cablesim.report.colours import STATUS_COLOURS
-from cablesim.report.drawing import cell_edges, evaluated, word
+from cablesim.report.drawing import are_steps, cell_edges, evaluated, word
 from cablesim.report.page.columns import Columns, Grid, column
 from cablesim.report.page.panel import GREY, Panel, log_format, rows, scale, scenario_numbers
 from cablesim.status import Status
 
 # More cells than these are thinned, evenly along both sides.
 MOST_CELLS = 10_000
-# So many whole numbers have a colour each.
-MOST_STEPS = 8
 ROW_HEIGHT, PANEL_HEIGHT = 22, 160
 # Stands out from every shade and status.
 STROKE = "#E7298A"
@@ -162,10 +160,9 @@ def _grid(numbers: xr.DataArray, sides: list[Side], cells: Columns) -> Grid:
 def _shades(values: np.ndarray, title: str, logarithmic: bool) -> Any:
     """Viridis, in steps where the values are a few whole numbers."""
     known = values[np.isfinite(values)]
-    whole = known.size > 0 and (known == np.round(known)).all() and 0 < np.ptp(known) <= MOST_STEPS
     numbers = log_format(known) if logarithmic else "~g"
     legend = alt.Legend(title=title, titleLimit=0, format=numbers, direction="horizontal", symbolType="square")
-    if whole and not logarithmic:
+    if are_steps(known) and not logarithmic:
         return alt.Color("value:O", scale=alt.Scale(scheme="viridis"), legend=legend)
     shades = alt.Scale(scheme="viridis", type="log") if logarithmic else alt.Scale(scheme="viridis", zero=False)
     return alt.Color("value:Q", scale=shades, legend=legend)

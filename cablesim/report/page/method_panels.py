@@ -9,12 +9,11 @@ import xarray as xr
 from cablesim.config.figure_file import RUN_TIME, Figure
 from cablesim.config.scene import AGREES, MISPRINT, ROUNDED_KEY, Scene
 from cablesim.report.audit import audit_table
-from cablesim.report.colours import PALETTE
 from cablesim.report.drawing import word
 from cablesim.report.figures import FLAG_COLOURS
 from cablesim.report.orders import convergences
 from cablesim.report.page.columns import Columns, column
-from cablesim.report.page.panel import Panel, coloured, dashed, fading, joined, movable, rows, scale
+from cablesim.report.page.panel import Panel, coloured, dashed, fading, joined, movable, palette, rows, scale
 from cablesim.report.precision import TARGETS, WorkAndPrecision, Worth, changed_options, work_and_precision
 from cablesim.report.precision_figure import FRONT, LEAST, groups
 
@@ -82,8 +81,7 @@ def precision_panels(scene: Scene, dataset: xr.Dataset, figure: Figure) -> list[
     choice, opacity = fading()
     x, y = _log_axes(figure, data).values()
     legend = alt.Legend(title=None)
-    shades = alt.Scale(domain=names, range=[PALETTE[i % len(PALETTE)] for i in range(len(names))])
-    colour = alt.Color("series:N", sort=None, scale=shades, legend=legend)
+    colour = alt.Color("series:N", sort=None, scale=palette(names), legend=legend)
     front = rows("front").mark_line(interpolate="step-after", color=FRONT, strokeWidth=6).encode(x=x, y=y)
     line = rows().mark_line(strokeWidth=1.2).encode(x=x, y=y, color=colour, opacity=opacity, order="order:Q")
     spread = rows().mark_rule().encode(x="lowest:Q", x2="highest", y=y, color=colour, opacity=opacity)

@@ -63,14 +63,21 @@ def scenario_numbers(dataset: xr.Dataset) -> xr.DataArray:
 
 def scenario_number(dataset: xr.Dataset, shape: Shape) -> int:
     """The number of one scenario."""
-    return int(scenario_numbers(dataset).isel(shape.position).item())
+    axes = [str(dim) for dim in dataset.status.dims if dim != "method"]
+    place = [shape.position[axis] for axis in axes]
+    return int(np.ravel_multi_index(place, [dataset.sizes[axis] for axis in axes]))
+
+
+def palette(names: list[str]) -> Any:
+    """A scale of colours, in the order of the names."""
+    return alt.Scale(domain=names, range=[PALETTE[i % len(PALETTE)] for i in range(len(names))])
 
 
 def coloured(names: list[str], colours: list[str] | None = None) -> Any:
     """Colours of the series, which fade where another is chosen in the legend."""
-    chosen = colours or [PALETTE[i % len(PALETTE)] for i in range(len(names))]
+    chosen = alt.Scale(domain=names, range=colours) if colours else palette(names)
     legend = None if len(names) < 2 else alt.Legend(title=None, symbolType="stroke")
-    return alt.Color("series:N", scale=alt.Scale(domain=names, range=chosen), sort=None, legend=legend)
+    return alt.Color("series:N", scale=chosen, sort=None, legend=legend)
 
 
 def dashed(names: list[str], dashes: list[int], by: str = "series:N") -> Any:
@@ -101,10 +108,10 @@ def movable(chart: Any) -> Any:
     )
 
 
-def fading(**otherwise: Any) -> tuple[Any, Any]:
+def fading() -> tuple[Any, Any]:
     """A choice in the legend, and the opacity of marks by it."""
     choice = alt.selection_point(fields=["series"], bind="legend", name="chosen")
-    return choice, alt.condition(choice, alt.value(otherwise.get("opacity", 1.0)), alt.value(0.1))
+    return choice, alt.condition(choice, alt.value(1.0), alt.value(0.1))
 
 
 def joined(parts: list[Columns]) -> Columns:
@@ -131,9 +138,8 @@ def hollow(points: Columns) -> Any:
     """Printed points, hollow, beside the curves that they belong to."""
     names = list(dict.fromkeys(points["series"]))
     mark = rows("points").mark_point(filled=False, size=45, strokeWidth=1.6)
-    shades = alt.Scale(domain=names, range=[PALETTE[i % len(PALETTE)] for i in range(len(names))])
     # The scale of strokes is another than that of colours, so that printed points have a legend of their own.
-    stroke = alt.Stroke("series:N", sort=None, scale=shades, legend=alt.Legend(title=None, symbolType="circle"))
+    stroke = alt.Stroke("series:N", sort=None, scale=palette(names), legend=alt.Legend(title=None, symbolType="circle"))
     return mark.encode(x="x:Q", y="y:Q", stroke=stroke, tooltip=["series:N", "x:Q", "y:Q"])
 
 

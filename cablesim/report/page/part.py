@@ -39,14 +39,13 @@ def scene_part(scene: Scene, dataset: xr.Dataset, layout: Layout) -> dict[str, A
         "answer": written_answer(layout.tables, scene.name),
         "kind": scene.design.kind,
         "axes": [{"name": axis.name, "size": axis.size} for axis in scene.design.axes],
-        "scenarios": scene.size,
         "methods": [{"name": method.name, "solver": method.solver.name} for method in scene.methods],
         "fates": _fates(dataset),
         "seconds": float(dataset.run_time.sum()),
         "provenance": {name: str(about[name]) for name in PROVENANCE if name in about},
         "source": _source(scene, dataset),
         "figures": [{"title": one["title"], "whole": one["whole"]} for one in details["figures"]],
-        "tables": [{"name": one["name"], "caption": one["caption"], "rows": one["count"]} for one in tables],
+        "tables": [{"caption": one["caption"], "rows": one["count"]} for one in tables],
         "packed": pack(details),
     }
 
